@@ -65,7 +65,7 @@ void velum_weather_set_state(const velum_weather_set *set, velum_state_desc *out
 velum_cell *weather_set_add_cell(velum_weather_set *set) {
     if (set->cell_count == set->cell_capacity) {
         const uint32_t capacity = set->cell_capacity ? set->cell_capacity * 2 : 64;
-        if (capacity <= set->cell_capacity || capacity > SIZE_MAX / sizeof(velum_cell)) {
+        if (capacity <= set->cell_capacity) {
             return NULL;
         }
         velum_cell *cells = realloc(set->cells, capacity * sizeof(*cells));
