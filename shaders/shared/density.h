@@ -1,0 +1,174 @@
+/* The shape of clouds: from the smooth fields of a slot at a place to extinction at a point.
+ *
+ * The includer defines before, for its own language and textures,
+ *     float velum_shape_at(float x, float y, float z);   Perlin-Worley 128^3, equalised: its values are ranks, uniform
+ *     float velum_detail_at(float x, float y, float z);  Worley 32^3, mean 0.5
+ * both tiling with period 1 and filtered trilinearly.
+ *
+ * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is covered
+ * where q > 1 - c, and e = (q - 1 + c) / c is again uniform over the covered columns. Noise in three dimensions only
+ * moves the boundary of a column that is covered already, so it cannot change coverage; the mean over e, height and
+ * noise depends on the profile alone and is divided out (calibration.h). */
+#ifndef VELUM_DENSITY_H
+#define VELUM_DENSITY_H
+
+#include "calibration.h"
+#include "slots.h"
+
+/* How a kind of cloud fills its layer: a column of excess rank e is cloud at height fraction z where
+ * e > g(z) (1 - amplitude n), n the lump noise in -1..1. */
+VELUM_STRUCT(velum_profile) {
+    float reach;        /* g at the top: share of covered columns that stay below the top */
+    float power;        /* of z in g: below 1 walls, above 1 domes */
+    float amplitude;    /* of the lumps, < 1 */
+    float softness;     /* of the boundary, in e */
+    float erosion;      /* of the boundary by fine detail, in e */
+    float stem;         /* g below the anvil, 0: none */
+    float growth;       /* of water with height: 0 constant, 1 adiabatic (linear) */
+    float base_soft_m;  /* the base is not a knife's edge */
+    float coverage_scale, density_scale; /* calibration.h */
+};
+
+/* Noise of a slot, by slot alone: where kinds blend, the noise stays. Metres of a period. */
+VELUM_STRUCT(velum_slot_noise) {
+    float shape_period_m;
+    float lump_period_m;
+    float fine_period_m;
+    float stretch; /* of the shape along one axis of the noise */
+};
+
+VELUM_FN velum_slot_noise velum_noise_of(int slot) {
+    velum_slot_noise n;
+    n.shape_period_m = 11000.0f;
+    n.lump_period_m = 2300.0f;
+    n.fine_period_m = 410.0f;
+    n.stretch = 1.0f;
+    if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
+        n.shape_period_m = 9000.0f;
+        n.lump_period_m = 2900.0f;
+    } else if (slot == VELUM_SLOT_STORM) {
+        n.shape_period_m = 37000.0f;
+        n.lump_period_m = 5300.0f;
+        n.fine_period_m = 900.0f;
+    } else if (slot == VELUM_SLOT_MIDDLE) {
+        n.shape_period_m = 7000.0f;
+        n.lump_period_m = 2100.0f;
+    } else if (slot == VELUM_SLOT_HIGH) {
+        n.shape_period_m = 12000.0f;
+        n.lump_period_m = 5000.0f;
+        n.fine_period_m = 800.0f;
+        n.stretch = 0.22f;
+    }
+    return n;
+}
+
+VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, float t) {
+    velum_profile p;
+    p.reach = velum_mix(a.reach, b.reach, t);
+    p.power = velum_mix(a.power, b.power, t);
+    p.amplitude = velum_mix(a.amplitude, b.amplitude, t);
+    p.softness = velum_mix(a.softness, b.softness, t);
+    p.erosion = velum_mix(a.erosion, b.erosion, t);
+    p.stem = velum_mix(a.stem, b.stem, t);
+    p.growth = velum_mix(a.growth, b.growth, t);
+    p.base_soft_m = velum_mix(a.base_soft_m, b.base_soft_m, t);
+    p.coverage_scale = 1.0f;
+    p.density_scale = 1.0f;
+    return p;
+}
+
+VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplitude, float softness, float erosion,
+                                          float stem, float growth, float base_soft_m) {
+    velum_profile p;
+    p.reach = reach;
+    p.power = power;
+    p.amplitude = amplitude;
+    p.softness = softness;
+    p.erosion = erosion;
+    p.stem = stem;
+    p.growth = growth;
+    p.base_soft_m = base_soft_m;
+    p.coverage_scale = 1.0f;
+    p.density_scale = 1.0f;
+    return p;
+}
+
+VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
+    velum_profile p;
+    if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
+        /* St: a sheet. Sc: lumps and rolls. */
+        p = velum_profile_blend(velum_profile_make(0.30f, 4.0f, 0.15f, 0.16f, 0.05f, 0.0f, 0.5f, 40.0f),
+                                velum_profile_make(0.90f, 2.4f, 0.55f, 0.10f, 0.06f, 0.0f, 0.7f, 25.0f), kind);
+    } else if (slot == VELUM_SLOT_CUMULUS) {
+        p = velum_profile_blend(velum_profile_make(1.00f, 1.25f, 0.62f, 0.07f, 0.07f, 0.0f, 0.8f, 25.0f),
+                                velum_profile_make(0.95f, 1.6f, 0.70f, 0.06f, 0.07f, 0.0f, 0.8f, 25.0f), kind);
+    } else if (slot == VELUM_SLOT_STORM) {
+        p = velum_profile_make(0.90f, 9.0f, 0.60f, 0.05f, 0.05f, 0.42f, 0.4f, 40.0f);
+    } else if (slot == VELUM_SLOT_MIDDLE) {
+        /* As: a veil; Ns: a deep sheet; Ac: cells. */
+        if (kind < 0.5f) {
+            p = velum_profile_blend(velum_profile_make(0.35f, 3.0f, 0.25f, 0.40f, 0.05f, 0.0f, 0.2f, 80.0f),
+                                    velum_profile_make(0.25f, 4.0f, 0.20f, 0.25f, 0.05f, 0.0f, 0.3f, 80.0f),
+                                    2.0f * kind);
+        } else {
+            p = velum_profile_blend(velum_profile_make(0.25f, 4.0f, 0.20f, 0.25f, 0.05f, 0.0f, 0.3f, 80.0f),
+                                    velum_profile_make(0.90f, 1.3f, 0.55f, 0.14f, 0.07f, 0.0f, 0.5f, 25.0f),
+                                    2.0f * kind - 1.0f);
+        }
+    } else {
+        /* Cs: a veil; Ci: fibres; Cc: grains. */
+        if (kind < 0.5f) {
+            p = velum_profile_blend(velum_profile_make(0.35f, 2.0f, 0.20f, 0.80f, 0.00f, 0.0f, 0.0f, 100.0f),
+                                    velum_profile_make(0.80f, 1.2f, 0.55f, 0.70f, 0.10f, 0.0f, 0.0f, 100.0f),
+                                    2.0f * kind);
+        } else {
+            p = velum_profile_blend(velum_profile_make(0.80f, 1.2f, 0.55f, 0.70f, 0.10f, 0.0f, 0.0f, 100.0f),
+                                    velum_profile_make(0.85f, 1.2f, 0.55f, 0.30f, 0.08f, 0.0f, 0.0f, 40.0f),
+                                    2.0f * kind - 1.0f);
+        }
+    }
+    p.coverage_scale = velum_calibration_coverage(slot, kind);
+    p.density_scale = velum_calibration_density(slot, kind);
+    return p;
+}
+
+/* Excess rank of a column: > 0 where it is covered, 1 at its heart. */
+VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
+    float c = coverage * p.coverage_scale;
+    return c > 1.0e-6f ? (rank - 1.0f + c) / c : -1.0f;
+}
+
+/* Threshold of e at height fraction z. */
+VELUM_FN float velum_threshold(velum_profile p, float z) {
+    float g = p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
+    if (p.stem > 0.0f) {
+        g = g + p.stem * (1.0f - velum_smoothstep(0.50f, 0.80f, z));
+    }
+    return g;
+}
+
+/* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1.
+ * lump in -1..1 (or 0 where the pixel cannot show it), fine in 0..1 (or 0.5). */
+VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
+    float g = velum_threshold(p, z) * (1.0f - p.amplitude * lump);
+    float f = e - g - p.erosion * (1.0f - fine) * (1.0f - e);
+    float inside = velum_smoothstep(0.0f, p.softness, f);
+    float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
+    float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
+    return inside * water * foot * p.density_scale;
+}
+
+/* Noise coordinates: a fixed rotation, so that the texture's axes lie along no meridian or parallel anywhere, then the
+ * slot's period. Phases at the eye (rotation of the eye's ECEF position over the period, modulo 1, plus the seed's and
+ * the drift cycle's offset) come from the CPU in double. Rows of the rotation: */
+#define VELUM_NOISE_AX 0.612478317f
+#define VELUM_NOISE_AY 0.659745974f
+#define VELUM_NOISE_AZ 0.435437207f
+#define VELUM_NOISE_BX (-0.778383623f)
+#define VELUM_NOISE_BY 0.407325232f
+#define VELUM_NOISE_BZ 0.477708165f
+#define VELUM_NOISE_CX 0.137801477f
+#define VELUM_NOISE_CY (-0.631523084f)
+#define VELUM_NOISE_CZ 0.763013334f
+
+#endif
