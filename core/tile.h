@@ -1,0 +1,55 @@
+/* Tiles of smooth fields: what the GPU's pages hold (shared/slots.h, shared/tile_address.h).
+ *
+ * Texel i of a side, 0..33, has its centre at (i - 0.5) / 32 of the tile's side: texels 0 and 33 are the apron, half a
+ * texel outside. Over a face's edge the face's own coordinates go on, so an apron texel is evaluated at its own normal
+ * and every field is a function of normal and level alone. Rows run along v: texel (i, j) is at j * 34 + i. */
+#ifndef VELUM_CORE_TILE_H
+#define VELUM_CORE_TILE_H
+
+#include "column.h"
+#include "shared/slots.h"
+#include "shared/tile_address.h"
+
+#define CORE_TILE_PAGE_VALUES (VELUM_TILE_SIDE * VELUM_TILE_SIDE * 4)
+#define CORE_TILE_PAGE_BYTES (CORE_TILE_PAGE_VALUES * 2)
+#define CORE_TILE_DATA_LEVEL_MIN 3 /* smooth weather is never held coarser than this, where a finer key is asked for   \
+                                    */
+
+typedef struct core_tile_slot {
+    const uint16_t *a;           /* coverage, base, top, extinction; null: no cloud of this slot in the tile */
+    const uint16_t *b;           /* wind x, y, z, kind */
+    float min_base_m, max_top_m; /* HAE, over texels with coverage, apron included */
+    float max_coverage;
+    float max_extinction_1_m;
+} core_tile_slot;
+
+typedef struct core_tile {
+    uint32_t key;
+    uint32_t mask; /* slots with pages */
+    uint64_t state;
+    uint64_t bytes;
+    core_tile_slot slot[VELUM_SLOT_COUNT];
+} core_tile;
+
+/* Null: out of memory. One reference. */
+core_tile *core_tile_create(const core_state *state, uint32_t key);
+core_tile *core_tile_ref(core_tile *tile);
+void core_tile_unref(core_tile *tile); /* null is legal */
+
+/* One slot at (s, t), 0..1 over the tile, bilinear over the stored values as a sampler does it. Zeroed without pages.
+ */
+velum_slot_fields core_tile_sample(const core_tile *tile, uint32_t slot, float s, float t);
+
+/* The deepest level whose texels this key's place needs, at most the key's own: below it the weather is smooth. */
+uint32_t core_tile_detail_level(const core_state *state, uint32_t key);
+/* The key's ancestor of that level (or the key itself). */
+uint32_t core_tile_ancestor(uint32_t key, uint32_t level);
+
+/* Nominal size of a texel. */
+double core_tile_texel_m(uint32_t level);
+/* Inverse of velum_face_of, in double; u and v may lie beyond -1..1. */
+void core_face_normal(uint32_t face, double u, double v, double normal[3]);
+/* The normal at (s, t) of the tile, 0..1 over its side. */
+void core_tile_normal(uint32_t key, double s, double t, double normal[3]);
+
+#endif
