@@ -1,0 +1,62 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+/* All orders of scattering in air beyond the first, as an isotropic luminance per unit sun (Hillaire 2020, eq. 5-10),
+ * over a flat-albedo sphere. Once, and when the ground's albedo changes. */
+#include "air.glsl"
+layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
+layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
+
+const int directions = 8; /* squared */
+const int steps = 20;
+
+void main() {
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    if (texel.x >= VELUM_GLOW_SIDE || texel.y >= VELUM_GLOW_SIDE) {
+        return;
+    }
+    vec2 place = vec2(texel) / float(VELUM_GLOW_SIDE - 1);
+    float mu_sun = place.x * 2.0 - 1.0;
+    float height_m = max(place.y * VELUM_AIR_TOP_M, 1.0);
+    vec3 sun = vec3(sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 0.0, mu_sun);
+    float r = VELUM_WGS84_A_M + height_m;
+    float top = VELUM_WGS84_A_M + VELUM_AIR_TOP_M;
+    vec3 second = vec3(0.0);
+    vec3 factor = vec3(0.0);
+    for (int k = 0; k < directions * directions; ++k) {
+        float c = 1.0 - 2.0 * (float(k / directions) + 0.5) / float(directions);
+        float a = 2.0 * PI * (float(k % directions) + 0.5) / float(directions);
+        float s = sqrt(max(1.0 - c * c, 0.0));
+        vec3 d = vec3(s * cos(a), s * sin(a), c);
+        float b = r * c;
+        float over = height_m * (2.0 * VELUM_WGS84_A_M + height_m);
+        float to_ground = b * b - over;
+        bool hits = c < 0.0 && to_ground > 0.0;
+        float distance_m = hits ? -b - sqrt(to_ground) : -b + sqrt(max(b * b - r * r + top * top, 0.0));
+        vec3 t = vec3(1.0);
+        float dt = distance_m / float(steps);
+        for (int i = 0; i < steps; ++i) {
+            float x = (float(i) + 0.5) * dt;
+            float p2 = over + x * (x + 2.0 * b);
+            float radius = sqrt(VELUM_WGS84_A_M * VELUM_WGS84_A_M + p2);
+            float h = max(p2 / (radius + VELUM_WGS84_A_M), 0.0);
+            float mu = (r * mu_sun + x * dot(d, sun)) / radius;
+            vec3 scattering = rayleigh_1_m * velum_rayleigh_density(h) +
+                              vec3(VELUM_AEROSOL_SCATTERING * velum_aerosol_density(h));
+            vec3 extinction = air_extinction_1_m(h);
+            vec3 step_t = exp(-extinction * dt);
+            vec3 share = t * scattering * (1.0 - step_t) / max(extinction, vec3(1e-12));
+            float lit = smoothstep(-0.005, 0.005, mu - velum_horizon_mu(h));
+            second += share * air_to_space(h, max(mu, velum_horizon_mu(h))) * lit / (4.0 * PI);
+            factor += share;
+            t *= step_t;
+        }
+        if (hits) {
+            float mu = (r * mu_sun + distance_m * dot(d, sun)) / VELUM_WGS84_A_M;
+            second += t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) * eye.ground.rgb / PI;
+        }
+    }
+    float weight = 1.0 / float(directions * directions);
+    second *= weight;
+    factor *= weight;
+    imageStore(glow_out, texel, vec4(second / max(1.0 - factor, vec3(0.05)), 1.0));
+}

@@ -1,0 +1,211 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+/* Every pixel: this frame's rays where there is one, moved history elsewhere; then sky, air and ground around it. */
+#include "air.glsl"
+#include "view.glsl"
+layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
+layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
+layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
+layout(set = 1, binding = VELUM_BIND_HISTORY_IN) uniform sampler2D history_in;
+layout(set = 1, binding = VELUM_BIND_HISTORY_DATA_IN) uniform sampler2D history_data_in;
+layout(set = 1, binding = VELUM_BIND_HISTORY_OUT, rgba16f) uniform writeonly image2D history_out;
+layout(set = 1, binding = VELUM_BIND_HISTORY_DATA_OUT, rg16f) uniform writeonly image2D history_data_out;
+/* resolve: the host's views are 2D (velum_vulkan_images.layers 0). resolve_layered: 2D arrays (layers >= 1). */
+#ifdef VELUM_LAYERED
+#define OUT_IMAGE image2DArray
+#define OUT_PIXEL(p) ivec3(p, int(view.frame.z))
+#else
+#define OUT_IMAGE image2D
+#define OUT_PIXEL(p) (p)
+#endif
+layout(set = 1, binding = VELUM_BIND_OUT_LUMINANCE) uniform writeonly OUT_IMAGE luminance_out;
+layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IMAGE transmittance_out;
+layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
+layout(set = 0, binding = VELUM_BIND_SHADOW) uniform sampler2DArray shadow_map;
+
+const float distance_unit_m = 100.0;
+/* Where a ray met no cloud, history is moved as if it had been so far away. */
+const float nothing_m = 60000.0;
+
+struct cloud_pixel {
+    vec4 light;       /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
+    float distance_m; /* 0: none */
+    float samples;
+};
+
+/* Where the cloud point r stood in the picture of the frame before, 0..1; outside: false. */
+bool place_before(vec3 r, out vec2 uv) {
+    vec3 q = r - view.drifted.xyz - view.before_offset.xyz;
+    float x = dot(q, view.before_right.xyz);
+    float y = dot(q, view.before_up.xyz);
+    if (!view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC)) {
+        float z = dot(q, view.before_forward.xyz);
+        if (z <= 0.0) {
+            return false;
+        }
+        x /= z;
+        y /= z;
+    }
+    uv.x = (x - view.before_right.w) / (view.before_up.w - view.before_right.w);
+    uv.y = (y - view.before_offset.w) / (view.before_forward.w - view.before_offset.w);
+    return all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
+}
+
+cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
+    int side = int(view.march_size.z);
+    ivec2 block = pixel / side;
+    ivec2 inside = pixel - block * side;
+    bool own = side == 1 || inside.y * side + inside.x == int(view.frame.x);
+    ivec2 last = ivec2(view.march_size.xy) - 1;
+
+    cloud_pixel fresh;
+    fresh.samples = 1.0;
+    if (own) {
+        fresh.light = texelFetch(march_light, block, 0);
+        fresh.distance_m = texelFetch(march_distance, block, 0).r;
+    } else {
+        /* Between this frame's rays. */
+        vec2 at = (vec2(pixel) - vec2(ivec2(int(view.frame.x) % side, int(view.frame.x) / side))) / float(side);
+        vec2 uv = (at + 0.5) / vec2(view.march_size.xy);
+        fresh.light = textureLod(march_light, uv, 0.0);
+        fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
+        fresh.samples = 0.0;
+    }
+
+    if (view.march_size.w == 0u) {
+        return fresh;
+    }
+    bool still = view.scale.w == 0.0;
+    vec2 size = vec2(view.size.xy);
+    vec2 uv = (vec2(pixel) + 0.5) / size;
+    if (!still) {
+        float far = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m;
+        if (!place_before(ray.origin + ray.direction * far, uv)) {
+            return fresh;
+        }
+    }
+    vec4 old = textureLod(history_in, uv, 0.0);
+    ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
+    vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
+    float old_distance_m = data.r * distance_unit_m;
+    float count = data.g;
+
+    if (!still) {
+        /* What this frame saw around the pixel bounds what can have been there. */
+        vec4 low = fresh.light;
+        vec4 high = fresh.light;
+        float spread = 0.0;
+        for (int y = -1; y <= 1; ++y) {
+            for (int x = -1; x <= 1; ++x) {
+                vec4 near = texelFetch(march_light, clamp(block + ivec2(x, y), ivec2(0), last), 0);
+                low = min(low, near);
+                high = max(high, near);
+            }
+        }
+        vec4 slack = (high - low) * 0.25 + vec4(0.02 * high.rgb, 0.02);
+        old = clamp(old, low - slack, high + slack);
+        count = min(count, view.scale.w);
+    }
+
+    cloud_pixel result;
+    if (own) {
+        float n = count + 1.0;
+        result.light = mix(old, fresh.light, 1.0 / n);
+        result.distance_m = old_distance_m > 0.0 && fresh.distance_m > 0.0
+                                ? mix(old_distance_m, fresh.distance_m, 1.0 / n)
+                                : max(old_distance_m, fresh.distance_m);
+        result.samples = min(n, 1024.0);
+    } else if (count < 0.5) {
+        /* Never hit by a ray of its own: as good as this frame's neighbours. */
+        result = fresh;
+        if (!still) {
+            result.light = mix(old, fresh.light, 0.25);
+        } else {
+            result.light = fresh.light;
+        }
+    } else {
+        result.light = old;
+        result.distance_m = old_distance_m;
+        result.samples = count;
+    }
+    return result;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
+        return;
+    }
+    view_ray ray = view_ray_at(vec2(pixel) + 0.5);
+    cloud_pixel cloud = resolve_cloud(pixel, ray);
+    imageStore(history_out, pixel, cloud.light);
+    imageStore(history_data_out, pixel, vec4(cloud.distance_m / distance_unit_m, cloud.samples, 0.0, 0.0));
+
+    float hit = host_distance(pixel, ray);
+    bool host = hit >= 0.0;
+    float ground = ground_distance(ray.origin, ray.direction);
+    if (!host) {
+        hit = ground;
+    }
+    float through = cloud.light.a;
+    vec3 light = cloud.light.rgb * VELUM_LUMINANCE_UNIT;
+    vec3 transmittance = vec3(through);
+
+    if (eye.ground.w != 0.0) {
+        velum_place from = place_of(ray.origin);
+        float mu0 = dot(vec3(from.nx, from.ny, from.nz), ray.direction);
+        bool to_ground = ground >= 0.0;
+        vec3 sky = sky_luminance(ray.direction, to_ground);
+        if (hit >= 0.0) {
+            vec3 r = ray.origin + ray.direction * hit;
+            velum_place to = place_of(r);
+            float mu1 = dot(vec3(to.nx, to.ny, to.nz), ray.direction);
+            vec3 air = air_between(from.height_m, mu0, to.height_m, mu1, hit);
+            vec3 whole = air;
+            if (host) {
+                if (to_ground) {
+                    velum_place end = place_of(ray.origin + ray.direction * ground);
+                    whole = air_between(from.height_m, mu0, end.height_m,
+                                        dot(vec3(end.nx, end.ny, end.nz), ray.direction), ground);
+                } else {
+                    whole = air_to_space(from.height_m, mu0) * fog_between(from.height_m, 30000.0, 30000.0 / max(mu0, 0.01));
+                }
+            }
+            vec3 haze = sky * clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0);
+            light += through * haze;
+            transmittance *= air;
+        } else {
+            vec3 air = from.height_m < VELUM_AIR_TOP_M
+                           ? air_to_space(from.height_m, max(mu0, velum_horizon_mu(from.height_m)))
+                           : vec3(1.0);
+            air *= fog_between(from.height_m, 30000.0, 30000.0 / max(mu0, 0.01));
+            light += through * sky;
+            transmittance *= air;
+        }
+    }
+    if (!host && ground >= 0.0 && view_flag(VELUM_VIEW_BLOCK_GROUND)) {
+        velum_place to = place_of(ray.origin + ray.direction * ground);
+        float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
+        vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0);
+        vec3 sky_up = eye.ground.w != 0.0 ? ambient_at(0.0, false) * PI : vec3(0.0);
+        light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
+        transmittance = vec3(0.0);
+    }
+    if (!host && ground < 0.0 && view_flag(VELUM_VIEW_BLOCK_SUN_DISC)) {
+        float c = dot(ray.direction, eye.sun.xyz);
+        float radius = max(eye.sun_lx.w, 1e-4);
+        /* acos loses its digits near 1: the chord does not. */
+        float angle = length(ray.direction - eye.sun.xyz);
+        float edge = clamp((radius - angle) / (0.02 * radius) + 0.5, 0.0, 1.0);
+        if (c > 0.0 && edge > 0.0) {
+            float solid = PI * radius * radius;
+            light += transmittance * edge * eye.sun_lx.rgb / solid;
+        }
+    }
+    light *= view.scale.x;
+    ivec2 out_pixel = pixel + ivec2(view.size.zw);
+    float mean = dot(transmittance, vec3(0.2126, 0.7152, 0.0722));
+    imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(65000.0)), mean));
+    imageStore(transmittance_out, OUT_PIXEL(out_pixel), vec4(transmittance, mean));
+    imageStore(distance_out, OUT_PIXEL(out_pixel), vec4(through < 0.9999 ? cloud.distance_m : 0.0));
+}

@@ -1,0 +1,90 @@
+/* Clear air: molecules, aerosol, ozone. Coefficients at sea level, 1/m, for red, green, blue.
+ * Rayleigh and ozone: Bruneton & Neyret (2008), Bruneton (2017); aerosol and the ozone tent: Hillaire (2020), table 1. */
+#ifndef VELUM_AIR_PHYSICS_H
+#define VELUM_AIR_PHYSICS_H
+
+#include "dialect.h"
+#include "planet.h"
+
+#define VELUM_AIR_TOP_M 1.0e5f
+#define VELUM_RAYLEIGH_R 5.802e-6f
+#define VELUM_RAYLEIGH_G 13.558e-6f
+#define VELUM_RAYLEIGH_B 33.1e-6f
+#define VELUM_RAYLEIGH_SCALE_M 8000.0f
+#define VELUM_AEROSOL_SCATTERING 3.996e-6f
+#define VELUM_AEROSOL_EXTINCTION 4.44e-6f
+#define VELUM_AEROSOL_SCALE_M 1200.0f
+#define VELUM_AEROSOL_G 0.8f
+#define VELUM_OZONE_R 0.650e-6f
+#define VELUM_OZONE_G 1.881e-6f
+#define VELUM_OZONE_B 0.085e-6f
+#define VELUM_OZONE_CENTRE_M 25000.0f
+#define VELUM_OZONE_HALF_M 15000.0f
+
+/* Haze and fog: full up to the top less this, none above the top. */
+#define VELUM_FOG_RAMP_M 120.0f
+
+VELUM_FN float velum_rayleigh_density(float height_m) {
+    return VELUM_EXP(-VELUM_MAX(height_m, -500.0f) / VELUM_RAYLEIGH_SCALE_M);
+}
+VELUM_FN float velum_aerosol_density(float height_m) {
+    return VELUM_EXP(-VELUM_MAX(height_m, -500.0f) / VELUM_AEROSOL_SCALE_M);
+}
+VELUM_FN float velum_ozone_density(float height_m) {
+    return VELUM_MAX(0.0f, 1.0f - VELUM_ABS(height_m - VELUM_OZONE_CENTRE_M) / VELUM_OZONE_HALF_M);
+}
+
+/* Share of the fog's surface extinction at a height, and its integral over height from far below, m. */
+VELUM_FN float velum_fog_density(float height_m, float top_m) {
+    return velum_clamp((top_m - height_m) / VELUM_FOG_RAMP_M, 0.0f, 1.0f);
+}
+VELUM_FN float velum_fog_column_m(float height_m, float top_m) {
+    float knee = top_m - VELUM_FOG_RAMP_M;
+    float x = velum_clamp(height_m - knee, 0.0f, VELUM_FOG_RAMP_M);
+    return VELUM_MIN(height_m, knee) + x - 0.5f * x * x / VELUM_FOG_RAMP_M;
+}
+
+/* Place in the transmittance table (Bruneton 2017): distances to the top, from the shortest to the longest. */
+VELUM_STRUCT(velum_air_uv) {
+    float u, v;
+};
+VELUM_FN velum_air_uv velum_air_uv_of(float height_m, float mu) {
+    velum_air_uv uv;
+    float ground = VELUM_WGS84_A_M;
+    float top = VELUM_WGS84_A_M + VELUM_AIR_TOP_M;
+    float h = velum_clamp(height_m, 0.0f, VELUM_AIR_TOP_M);
+    float r = ground + h;
+    float longest = VELUM_SQRT(VELUM_AIR_TOP_M * (2.0f * ground + VELUM_AIR_TOP_M));
+    float rho = VELUM_SQRT(h * (2.0f * ground + h));
+    float d = -r * mu + VELUM_SQRT(VELUM_MAX(r * r * (mu * mu - 1.0f) + top * top, 0.0f));
+    float d_min = top - r;
+    float d_max = rho + longest;
+    uv.u = velum_clamp((d - d_min) / VELUM_MAX(d_max - d_min, 1.0f), 0.0f, 1.0f);
+    uv.v = rho / longest;
+    return uv;
+}
+VELUM_STRUCT(velum_air_ray) {
+    float height_m, mu;
+};
+VELUM_FN velum_air_ray velum_air_ray_of(float u, float v) {
+    velum_air_ray ray;
+    float ground = VELUM_WGS84_A_M;
+    float top = VELUM_WGS84_A_M + VELUM_AIR_TOP_M;
+    float longest = VELUM_SQRT(VELUM_AIR_TOP_M * (2.0f * ground + VELUM_AIR_TOP_M));
+    float rho = v * longest;
+    float r = VELUM_SQRT(rho * rho + ground * ground);
+    float d_min = top - r;
+    float d = d_min + u * (rho + longest - d_min);
+    ray.height_m = rho * rho / (r + ground);
+    ray.mu = d > 0.0f ? velum_clamp((longest * longest - rho * rho - d * d) / (2.0f * r * d), -1.0f, 1.0f) : 1.0f;
+    return ray;
+}
+
+/* Cosine of the zenith angle of the geometric horizon. */
+VELUM_FN float velum_horizon_mu(float height_m) {
+    float h = VELUM_MAX(height_m, 0.0f);
+    float r = VELUM_WGS84_A_M + h;
+    return -VELUM_SQRT(h * (2.0f * VELUM_WGS84_A_M + h)) / r;
+}
+
+#endif

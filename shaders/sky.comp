@@ -1,0 +1,89 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+/* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last row:
+ * mean luminance of the half world above (texels 0..15) and below (16..31), at heights 20 km (x / 15)^2. */
+#include "air.glsl"
+layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
+layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
+
+/* Distance through the air, or to the ground: where the ray from o leaves or ends; start is where it enters. */
+float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
+    velum_span air = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, VELUM_AIR_TOP_M);
+    start = max(air.enter_m, 0.0);
+    float end = air.leave_m;
+    if (to_ground) {
+        float ground = ground_distance(o, d);
+        if (ground >= 0.0) {
+            end = ground;
+        }
+    }
+    return max(end - start, 0.0);
+}
+
+vec3 ambient(int index) {
+    bool below = index >= 16;
+    float x = float(index & 15) / 15.0;
+    float height_m = 20000.0 * x * x;
+    vec3 up = eye.up.xyz;
+    vec3 o = up * (max(height_m, 10.0) - eye.up.w);
+    vec3 side = normalize(abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0)));
+    vec3 across = cross(up, side);
+    float mu_sun = dot(up, eye.sun.xyz);
+    vec3 ground_sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0);
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int k = 0; k < 16; ++k) {
+        float c = (float(k / 4) + 0.5) / 4.0;
+        float a = 2.0 * PI * (float(k % 4) + 0.5 + 0.25 * float(k / 4)) / 4.0;
+        float s = sqrt(1.0 - c * c);
+        vec3 d = side * (s * cos(a)) + across * (s * sin(a)) + up * (below ? -c : c);
+        float start;
+        float distance_m = air_distance(o, d, below, start);
+        air_light light = air_march(o + d * start, d, distance_m, 8, true);
+        vec3 luminance = light.luminance;
+        if (below) {
+            luminance += light.transmittance * eye.ground.rgb / PI * (ground_sun * 1.1);
+        }
+        sum += luminance;
+        weights += 1.0;
+    }
+    return sum / weights;
+}
+
+void main() {
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    if (texel.x >= VELUM_SKY_W || texel.y >= VELUM_SKY_H) {
+        return;
+    }
+    vec3 result = vec3(0.0);
+    if (texel.y == VELUM_SKY_H - 1) {
+        if (texel.x < 32) {
+            result = ambient(texel.x);
+        }
+    } else if (eye.ground.w != 0.0) {
+        vec2 place = vec2(texel) / vec2(VELUM_SKY_W - 1, VELUM_SKY_H - 2);
+        vec3 up = eye.up.xyz;
+        float edge = PI - acos(clamp(-velum_horizon_mu(eye.up.w), -1.0, 1.0));
+        bool to_ground = texel.y <= (VELUM_SKY_H - 2) / 2;
+        float zenith;
+        if (to_ground) {
+            float y = 1.0 - 2.0 * place.y;
+            zenith = edge + y * y * (PI - edge);
+        } else {
+            float y = 2.0 * place.y - 1.0;
+            zenith = edge * (1.0 - y * y);
+        }
+        float azimuth = place.x * place.x * PI;
+        vec3 sun_side = eye.sun.xyz - up * dot(eye.sun.xyz, up);
+        if (dot(sun_side, sun_side) < 1e-10) {
+            sun_side = abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0));
+        }
+        sun_side = normalize(sun_side);
+        vec3 across = cross(up, sun_side);
+        vec3 d = up * cos(zenith) + (sun_side * cos(azimuth) + across * sin(azimuth)) * sin(zenith);
+        float start;
+        float distance_m = air_distance(vec3(0.0), d, to_ground, start);
+        result = air_march(d * start, d, distance_m, 24, true).luminance;
+    }
+    imageStore(sky_out, texel, vec4(result / VELUM_LUMINANCE_UNIT, 1.0));
+}

@@ -1,0 +1,72 @@
+/* Set 1: what a view gives to its passes. */
+#ifndef VELUM_VIEW_GLSL
+#define VELUM_VIEW_GLSL
+
+#include "shared/arguments.h"
+
+layout(set = 1, binding = VELUM_BIND_VIEW, std140) uniform view_uniform {
+    velum_view_block view;
+};
+layout(set = 1, binding = VELUM_BIND_DEPTH) uniform sampler2D depth_image;
+
+struct view_ray {
+    vec3 origin; /* offset from the eye */
+    vec3 direction;
+    float stretch; /* length of forward + right x + up y: distance over depth */
+};
+
+bool view_flag(uint flag) {
+    return (view.frame.y & flag) != 0u;
+}
+
+/* Through a point of the picture, in pixels from its upper left corner. */
+view_ray view_ray_at(vec2 pixel) {
+    vec2 s = pixel / vec2(view.size.xy);
+    float x = mix(view.right.w, view.up.w, s.x);
+    float y = mix(view.offset.w, view.forward.w, s.y);
+    view_ray ray;
+    if (view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC)) {
+        ray.origin = view.offset.xyz + view.right.xyz * x + view.up.xyz * y;
+        ray.direction = view.forward.xyz;
+        ray.stretch = 1.0;
+    } else {
+        vec3 d = view.forward.xyz + view.right.xyz * x + view.up.xyz * y;
+        ray.origin = view.offset.xyz;
+        ray.stretch = length(d);
+        ray.direction = d / ray.stretch;
+    }
+    return ray;
+}
+
+/* Distance along the ray to what the host has drawn, or a negative number. */
+float host_distance(ivec2 pixel, view_ray ray) {
+    if (!view_flag(VELUM_VIEW_BLOCK_DEPTH)) {
+        return -1.0;
+    }
+    float d = texelFetch(depth_image, pixel + ivec2(view.size.zw), 0).r;
+    float near = view.depth.y;
+    float far = view.depth.z;
+    int convention = int(view.depth.x);
+    float z;
+    if (convention == 3) {
+        return d > 0.0 && !isinf(d) ? d : -1.0;
+    } else if (convention == 0) {
+        if (d <= 0.0) {
+            return -1.0;
+        }
+        z = near / d;
+    } else if (convention == 1) {
+        if (d <= 0.0) {
+            return -1.0;
+        }
+        z = near * far / (d * (far - near) + near);
+    } else {
+        if (d >= 1.0) {
+            return -1.0;
+        }
+        z = near * far / (far - d * (far - near));
+    }
+    return z * ray.stretch;
+}
+
+#endif

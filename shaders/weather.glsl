@@ -1,0 +1,127 @@
+/* Cloud at a point: tiles, noise, the shared density function. */
+#ifndef VELUM_WEATHER_GLSL
+#define VELUM_WEATHER_GLSL
+
+#include "engine.glsl"
+
+float velum_shape_at(float x, float y, float z) {
+    return textureLod(shape_noise, vec3(x, y, z), 0.0).r;
+}
+float velum_detail_at(float x, float y, float z) {
+    return textureLod(detail_noise, vec3(x, y, z), 0.0).r;
+}
+
+#include "shared/sample.h"
+
+struct tile_place {
+    uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
+    uint mask;  /* slots with cloud */
+    vec2 uv;    /* in a page */
+    bool missing;
+};
+
+const vec3 noise_a = vec3(VELUM_NOISE_AX, VELUM_NOISE_AY, VELUM_NOISE_AZ);
+const vec3 noise_b = vec3(VELUM_NOISE_BX, VELUM_NOISE_BY, VELUM_NOISE_BZ);
+const vec3 noise_c = vec3(VELUM_NOISE_CX, VELUM_NOISE_CY, VELUM_NOISE_CZ);
+
+tile_place tile_find(vec3 normal, float distance_m) {
+    velum_face_place face = velum_face_of(normal.x, normal.y, normal.z);
+    tile_place place = tile_place(VELUM_TILE_KEY_NONE, 0u, vec2(0.0), false);
+    int level = int(velum_tile_level(distance_m, eye.weather.x));
+    for (; level >= 0; --level) {
+        float x = velum_tile_coordinate(face.u, uint(level));
+        float y = velum_tile_coordinate(face.v, uint(level));
+        uint key = velum_tile_key(uint(level), uint(face.face), uint(x), uint(y));
+        uint index = velum_table_hash(key, eye.table.y);
+        for (int probe = 0; probe < 64; ++probe) {
+            uint word = eye.table.x + index * VELUM_TABLE_WORDS;
+            uint found = table[word];
+            if (found == key) {
+                uint data_level = table[word + 1u];
+                float scale = 1.0 / float(1u << (uint(level) - data_level));
+                vec2 within = fract(vec2(x, y) * scale);
+                place.entry = word;
+                place.mask = table[word + 2u] & eye.table.z;
+                place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
+                return place;
+            }
+            if (found == VELUM_TILE_KEY_NONE) {
+                break;
+            }
+            index = (index + 1u) & eye.table.y;
+        }
+        place.missing = true;
+    }
+    return place;
+}
+
+velum_slot_fields page_fields(uint page, vec2 uv) {
+    velum_slot_fields f;
+    if (page == VELUM_PAGE_NONE) {
+        f = velum_slot_fields(0.0, 0.0, 1.0, 1e-7, 0.0, 0.0, 0.0, 0.0);
+        return f;
+    }
+    vec4 a = textureLod(tiles_a, vec3(uv, float(page)), 0.0);
+    vec4 b = textureLod(tiles_b, vec3(uv, float(page)), 0.0);
+    f.coverage = a.x;
+    f.base_m = velum_texel_height_m(a.y);
+    f.top_m = velum_texel_height_m(a.z);
+    f.extinction_1_m = velum_texel_extinction_1_m(a.w);
+    f.wind_x_m_s = velum_texel_wind_m_s(b.x);
+    f.wind_y_m_s = velum_texel_wind_m_s(b.y);
+    f.wind_z_m_s = velum_texel_wind_m_s(b.z);
+    f.kind = b.w;
+    return f;
+}
+
+velum_slot_fields slot_fields(tile_place place, int slot) {
+    uint pages = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
+    velum_slot_fields f = page_fields(pages & 0xffffu, place.uv);
+    if ((eye.table.w & VELUM_TABLE_FLAG_BLENDING) != 0u && (pages >> 16u) != (pages & 0xffffu)) {
+        f = velum_fields_mix(f, page_fields(pages >> 16u, place.uv), eye.weather.y);
+    }
+    return f;
+}
+
+vec3 noise_place(vec3 r, vec4 phase, float stretch) {
+    vec3 c = vec3(dot(noise_a, r), dot(noise_b, r), dot(noise_c, r) * stretch) * phase.w;
+    return phase.xyz + c;
+}
+
+/* Rank of the column over the foot of r, at height over the ellipsoid, along normal. */
+float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
+    vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
+    vec3 foot = r - normal * height_m;
+    float stretch = eye.slots[slot].bounds.z;
+    vec3 p = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
+    float rank = velum_shape_at(p.x, p.y, p.z);
+    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+        p = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
+        rank = velum_rank_mix(rank, velum_shape_at(p.x, p.y, p.z), eye.drift.x);
+    }
+    return rank;
+}
+
+float lump_noise(int slot, velum_slot_fields f, vec3 r) {
+    vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
+    vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].lump_0, 1.0);
+    float n = velum_detail_at(p.x, p.y, p.z);
+    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+        p = noise_place(r - wind * eye.weather.w, eye.slots[slot].lump_1, 1.0);
+        n = mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
+    }
+    return 2.0 * n - 1.0;
+}
+
+float fine_noise(int slot, velum_slot_fields f, vec3 r) {
+    vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
+    vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].fine_0, 1.0);
+    float n = velum_detail_at(p.x, p.y, p.z);
+    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+        p = noise_place(r - wind * eye.weather.w, eye.slots[slot].fine_1, 1.0);
+        n = mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
+    }
+    return n;
+}
+
+#endif
