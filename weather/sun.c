@@ -11,8 +11,25 @@
 #include <pthread.h>
 #include <velum_weather/weather.h>
 
+static const double DEG = 0.017453292519943295;
+
 /* libnova 0.16 keeps its newest nutation and earth position in statics: one caller at a time. */
 static pthread_mutex_t libnova_lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* Ecliptic longitude and latitude from the equinox of J2000 to that of the date (Meeus 1998, equations 21.5 to 21.7):
+ * libnova 0.16 gives the sun in the former, and takes it for the latter. */
+static void precess(double ephemeris_day, double *longitude_deg, double *latitude_deg) {
+    double t = (ephemeris_day - 2451545.0) / 36525, sin_e, cos_e, sin_b, cos_b, sin_l, cos_l;
+    double eta_deg = t * (47.0029 + t * (-0.03302 + t * 0.00006)) / 3600;
+    double node_deg = 174.876384 + t * (-869.8089 + t * 0.03536) / 3600;
+    double p_deg = t * (5029.0966 + t * (1.11113 - t * 0.000006)) / 3600;
+    pose_sincos_deg(eta_deg, &sin_e, &cos_e);
+    pose_sincos_deg(*latitude_deg, &sin_b, &cos_b);
+    pose_sincos_deg(node_deg - *longitude_deg, &sin_l, &cos_l);
+    double a = cos_e * cos_b * sin_l - sin_e * sin_b, b = cos_b * cos_l, c = cos_e * sin_b + sin_e * cos_b * sin_l;
+    *longitude_deg = p_deg + node_deg - atan2(a, b) / DEG;
+    *latitude_deg = asin(c) / DEG;
+}
 
 void sun_direction(double unix_s, double direction[3]) {
     struct ln_helio_posn sun = {0};
@@ -27,6 +44,7 @@ void sun_direction(double unix_s, double direction[3]) {
     double sidereal_deg = ln_get_mean_sidereal_time(julian_day) * 15;
     pthread_mutex_unlock(&libnova_lock);
 
+    precess(ephemeris_day, &sun.L, &sun.B);
     /* Meeus (1998), chapters 12 and 25. Aberration by hand: ln_get_solar_equ_coords takes 1/360 of it. */
     double longitude_deg = sun.L + nutation.longitude - 20.4898 / 3600 / sun.R;
     double obliquity_deg = nutation.ecliptic + nutation.obliquity;
