@@ -26,6 +26,20 @@ struct cloud_sample {
     float excess;
 };
 
+/* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
+ * every ray rise faster as it goes), or far beyond all. */
+float reach_bounds(float h, float rise, float low, float high) {
+    const float r = VELUM_WGS84_A_M;
+    if (h < low) {
+        return r * (sqrt(rise * rise + 2.0 * (low - h) / r) - rise);
+    }
+    if (h > high) {
+        float inside = rise * rise - 2.0 * (h - high) / r;
+        return rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
+    }
+    return 0.0;
+}
+
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
  * those of r. */
 float sun_depth(int slot, velum_slot_fields f, velum_profile profile, vec3 r, float height_m, vec3 normal,
@@ -156,23 +170,26 @@ void main() {
 
         float total = 0.0;
         vec3 source = vec3(0.0);
-        float advance = 1.0e9;   /* how far nothing can begin */
-        uint mask = tile.mask;
+        float advance = 1.0e9; /* from here on, how far nothing can begin */
         float h_end = h + rise * dt * (1.0 - offset);
         float h_begin = h - rise * dt * offset;
         for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
-            if ((mask & (1u << uint(slot))) == 0u) {
+            if ((eye.table.z & (1u << uint(slot))) == 0u) {
                 continue;
             }
             vec4 bounds = eye.slots[slot].bounds;
             if (max(h_begin, h_end) < bounds.x || min(h_begin, h_end) > bounds.y) {
-                float away = h < bounds.x ? bounds.x - h : h - bounds.y;
-                advance = min(advance, away / max(abs(rise), 0.02));
+                advance = min(advance, reach_bounds(h, rise, bounds.x, bounds.y) - 1.0);
+                continue;
+            }
+            if ((tile.mask & (1u << uint(slot))) == 0u) {
+                /* The next tile begins no nearer than it pleases: tiles are an eighth of the distance or more. */
+                advance = min(advance, 0.05 * at);
                 continue;
             }
             velum_slot_fields f = slot_fields(tile, slot);
             if (f.coverage <= 0.0) {
-                advance = min(advance, dt);
+                advance = min(advance, 0.05 * at);
                 continue;
             }
             if (slot >= VELUM_SLOT_UNIFORM) {
@@ -188,13 +205,12 @@ void main() {
                     source += extinction * eye.slots[slot].optics.x *
                               cloud_source(slot, f, none, 1.0, extinction, r, clamp(h, f.base_m, f.top_m), normal, cos_sun, 0.5);
                 }
-                advance = min(advance, dt);
+                advance = 0.0;
                 continue;
             }
             float z = (h - f.base_m) / max(f.top_m - f.base_m, 1.0);
             if (z <= 0.0 || z >= 1.0) {
-                float away = z <= 0.0 ? f.base_m - h : h - f.top_m;
-                advance = min(advance, max(away / max(abs(rise), 0.05) * 0.7, dt));
+                advance = min(advance, min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0));
                 continue;
             }
             velum_profile profile = velum_profile_of(slot, f.kind);
@@ -204,10 +220,10 @@ void main() {
             if (e <= 0.0) {
                 /* The rank rises by at most about 1 over an eighth of the period. */
                 float gap = -e * f.coverage;
-                advance = min(advance, max(dt, 0.4 * gap / (8.0 * eye.slots[slot].shape_0.w)));
+                advance = min(advance, 0.4 * gap / (8.0 * eye.slots[slot].shape_0.w));
                 continue;
             }
-            advance = min(advance, dt);
+            advance = 0.0;
             float lump = lump_noise(slot, f, r);
             float fine = 0.5;
             if (at * 0.0012 < 0.06 / eye.slots[slot].fine_0.w) {
@@ -236,7 +252,7 @@ void main() {
             }
             position += dt;
         } else {
-            position += max(dt, min(advance, 20000.0));
+            position = max(position + dt, at + advance);
         }
     }
 
