@@ -1,10 +1,12 @@
 #include "json_layer.h"
 
+#include "genus.h"
 #include "set.h"
 
 #include <math.h>
 
 static const double DEG = 0.017453292519943295;
+static const float ICE_RADIUS_UM = 40; /* within 25..100, the range of Hess et al. (1998) for cirrus */
 enum { MAX_LAYERS = 16 };
 
 static const json_word GENERA[] = {{"Ci", VELUM_GENUS_CI}, {"Cc", VELUM_GENUS_CC}, {"Cs", VELUM_GENUS_CS},
@@ -26,23 +28,12 @@ static const json_word PRECIPITATIONS[] = {{"none", VELUM_PRECIPITATION_NONE}, {
         }                                                                                                              \
     } while (0)
 
-/* St, Cu, and the order of magnitude of Ci: Hess, Koepke and Schult (1998), table 1b. The others lie between, within
- * the extinction of 0.04..0.12 1/m that the same table gives for water clouds; thin ones are thinner. */
-void json_layer_defaults(int32_t genus, velum_layer *layer) {
-    static const struct {
-        int32_t water;
-        float water_g_m3, radius_um;
-    } defaults[] = {
-        [VELUM_GENUS_CI] = {VELUM_WATER_ICE, 0.01f, 40},    [VELUM_GENUS_CC] = {VELUM_WATER_ICE, 0.02f, 30},
-        [VELUM_GENUS_CS] = {VELUM_WATER_ICE, 0.02f, 50},    [VELUM_GENUS_AC] = {VELUM_WATER_LIQUID, 0.15f, 8},
-        [VELUM_GENUS_AS] = {VELUM_WATER_LIQUID, 0.15f, 10}, [VELUM_GENUS_NS] = {VELUM_WATER_LIQUID, 0.35f, 12},
-        [VELUM_GENUS_SC] = {VELUM_WATER_LIQUID, 0.3f, 10},  [VELUM_GENUS_ST] = {VELUM_WATER_LIQUID, 0.28f, 7.3f},
-        [VELUM_GENUS_CU] = {VELUM_WATER_LIQUID, 0.44f, 10}, [VELUM_GENUS_CB] = {VELUM_WATER_LIQUID, 1.0f, 15}};
-    if (genus >= VELUM_GENUS_CI && genus <= VELUM_GENUS_CB) {
-        layer->water = defaults[genus].water;
-        layer->water_g_m3 = defaults[genus].water_g_m3;
-        layer->radius_um = defaults[genus].radius_um;
-    }
+void json_layer_defaults(int32_t genus, int32_t water, velum_layer *layer) {
+    const weather_genus *typical = weather_genus_of(genus);
+    layer->water = water;
+    layer->water_g_m3 =
+        water == VELUM_WATER_ICE ? sqrtf(typical->ice_min_g_m3 * typical->ice_max_g_m3) : typical->water_g_m3;
+    layer->radius_um = water == VELUM_WATER_ICE ? ICE_RADIUS_UM : typical->radius_um;
 }
 
 /* "wind_from_deg" and "wind_m_s": both or neither. *given: 1 if they are there. */
@@ -115,7 +106,9 @@ static velum_result read_layer(const json_document *document, const json_node *o
     uint32_t given = 0;
     TRY(json_expect_keys(document, object, keys));
     TRY(json_read_word(document, object, "type", JSON_REQUIRED, GENERA, COUNT(GENERA), &layer->genus));
-    json_layer_defaults(layer->genus, layer);
+    int32_t water = layer->genus <= VELUM_GENUS_CS ? VELUM_WATER_ICE : VELUM_WATER_LIQUID; /* Ci, Cc, Cs */
+    TRY(json_read_word(document, object, "water", JSON_OPTIONAL, WATERS, COUNT(WATERS), &water));
+    json_layer_defaults(layer->genus, water, layer);
     TRY(read_optics(document, object, layer));
     int uniform = (layer->flags & VELUM_LAYER_UNIFORM) != 0;
     layer->coverage = 1;
@@ -126,7 +119,6 @@ static velum_result read_layer(const json_document *document, const json_node *o
         return json_refuse(document, json_member(document, object, "top_m"), "a number above base_m, %.9g",
                            (double)layer->base_m);
     }
-    TRY(json_read_word(document, object, "water", JSON_OPTIONAL, WATERS, COUNT(WATERS), &layer->water));
     TRY(json_read_float(document, object, "water_g_m3", JSON_OPTIONAL, 0, 20, &layer->water_g_m3));
     TRY(json_read_float(document, object, "radius_um", JSON_OPTIONAL, 0.5, 500, &layer->radius_um));
     TRY(read_wind(document, object, &layer->wind_east_m_s, &layer->wind_north_m_s, &given));

@@ -16,6 +16,6 @@ velum_result json_read_weather(const json_document *document, const json_node *o
 velum_result json_read_region(const json_document *document, const json_node *object, velum_cell *cell);
 
 /* What a layer of this genus is made of unless it says otherwise: water, water_g_m3, radius_um. */
-void json_layer_defaults(int32_t genus, velum_layer *layer);
+void json_layer_defaults(int32_t genus, int32_t water, velum_layer *layer);
 
 #endif
