@@ -173,7 +173,7 @@ static void what_is_wrong_is_named_with_its_place(void **state) {
         {HEAD "\"seed\": 1.5" TAIL, "s.json:2:9: seed: found 1.5, expected an integer from 0 to 9223372036854775807"},
         {HEAD "\"atmosphere\": \"mars\"" TAIL, "s.json:2:15: atmosphere: found \"mars\", expected one of earth, none"},
         {HEAD "\"ground\": {\"albedo\": [0, 0, 2]}" TAIL,
-         "s.json:2:28: ground.albedo[2]: found 2, expected a number from 0 to 1"},
+         "s.json:2:29: ground.albedo[2]: found 2, expected a number from 0 to 1"},
         {HEAD "\"geoid_undulation_m\": 999" TAIL,
          "s.json:2:23: geoid_undulation_m: found 999, expected a number from -200 to 200"},
         {HEAD "\"sun\": {\"azimuth_deg\": 5}" TAIL,
@@ -227,7 +227,7 @@ static void what_is_wrong_is_named_with_its_place(void **state) {
         {SOURCES("{\"global\": {\"gust_m_s\": 5}}"),
          "s.json:3:25: weather[0].sources[0].global.gust_m_s: found 5, expected it only beside wind_m_s"},
         {SOURCES("{\"global\": {\"temperature_c\": 5, \"dew_point_c\": 6}}"),
-         "s.json:3:47: weather[0].sources[0].global.dew_point_c: found 6, expected at most temperature_c, 5"},
+         "s.json:3:48: weather[0].sources[0].global.dew_point_c: found 6, expected at most temperature_c, 5"},
         {SOURCES("{\"global\": {\"precipitation\": \"rain\"}}"),
          "s.json:3:12: weather[0].sources[0].global.precipitation_mm_h: found nothing, expected a number from 0 to "},
         /* layers */
@@ -257,12 +257,12 @@ static void what_is_wrong_is_named_with_its_place(void **state) {
          "or "
          "water_g_m3 and radius_um, not both"},
         {LAYER("\"structure\": \"uniform\", \"coverage\": 0.5"),
-         "s.json:4:38: weather[0].sources[0].global.layers[0].coverage: found 0.5, expected a number from 1 to 1"},
+         "s.json:4:37: weather[0].sources[0].global.layers[0].coverage: found 0.5, expected a number from 1 to 1"},
         {LAYER("\"structure\": \"uniform\", \"phase\": {\"hg\": 1}"),
-         "s.json:4:42: weather[0].sources[0].global.layers[0].phase.hg: found 1, expected a number from -0.999 to "
+         "s.json:4:41: weather[0].sources[0].global.layers[0].phase.hg: found 1, expected a number from -0.999 to "
          "0.999"},
         {LAYER("\"coverage\": 1, \"base_m\": 0, \"top_m\": 9, \"precipitation\": \"none\", \"precipitation_mm_h\": 1"),
-         "s.json:4:87: weather[0].sources[0].global.layers[0].precipitation_mm_h: found 1, expected 0 where "},
+         "s.json:4:88: weather[0].sources[0].global.layers[0].precipitation_mm_h: found 1, expected 0 where "},
         /* regions and stations */
         {REGION("\"visibility_m\": 9"),
          "s.json:3:12: weather[0].sources[0].region.lon_deg: found nothing, expected a number from -180 to 180"},
@@ -276,7 +276,7 @@ static void what_is_wrong_is_named_with_its_place(void **state) {
         {STATION("\"name\": \"EDDF\", \"lat_deg\": -91"),
          "s.json:4:28: weather[0].sources[0].stations[0].lat_deg: found -91, expected a number from -90 to 90"},
         {SOURCES("{\"metar\": \"m.txt\", \"radius_m\": 5}"),
-         "s.json:3:31: weather[0].sources[0].radius_m: found 5, expected a number from 1000 to 500000"},
+         "s.json:3:32: weather[0].sources[0].radius_m: found 5, expected a number from 1000 to 500000"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         velum_weather_error error = {0};
