@@ -12,8 +12,9 @@
 
 #define CORE_TILE_PAGE_VALUES (VELUM_TILE_SIDE * VELUM_TILE_SIDE * 4)
 #define CORE_TILE_PAGE_BYTES (CORE_TILE_PAGE_VALUES * 2)
-#define CORE_TILE_DATA_LEVEL_MIN 3 /* smooth weather is never held coarser than this, where a finer key is asked for   \
-                                    */
+#define CORE_TILE_DATA_LEVEL_MIN                                                                                       \
+    3 /* smooth weather is never held coarser than this, where a finer key is asked for                                \
+       */
 
 typedef struct core_tile_slot {
     const uint16_t *a;           /* coverage, base, top, extinction; null: no cloud of this slot in the tile */

@@ -1,0 +1,368 @@
+#include "column.h"
+
+#include "geodesy.h"
+#include "state_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Cells that act together at a place: their weighted sum, the sum of weights, and what they leave of what lies below.
+ */
+typedef struct share {
+    float sum, keep;
+} share;
+
+enum { GROUP_VISIBILITY, GROUP_WIND, GROUP_TEMPERATURE, GROUP_THUNDERSTORM, GROUP_PRECIPITATION, GROUP_COUNT };
+
+static const struct {
+    uint32_t flags;
+    uint32_t first, count;
+} groups[GROUP_COUNT] = {
+    [GROUP_VISIBILITY] = {VELUM_CELL_HAS_VISIBILITY, CORE_SURFACE_LOG_VISIBILITY, 3},
+    [GROUP_WIND] = {VELUM_CELL_HAS_WIND, CORE_SURFACE_WIND_X, 4},
+    [GROUP_TEMPERATURE] = {VELUM_CELL_HAS_TEMPERATURE, CORE_SURFACE_TEMPERATURE, 4},
+    [GROUP_THUNDERSTORM] = {VELUM_CELL_HAS_LAYERS | VELUM_CELL_HAS_PRECIPITATION, CORE_SURFACE_THUNDERSTORM, 1},
+    [GROUP_PRECIPITATION] = {VELUM_CELL_HAS_PRECIPITATION, CORE_SURFACE_PRECIPITATION, 6},
+};
+
+typedef struct layer_sum {
+    share share;
+    uint32_t mask;
+    float slot[VELUM_SLOT_COUNT][CORE_FIELD_COUNT];
+} layer_sum;
+
+typedef struct mixture {
+    layer_sum layers[2]; /* replacing, joining */
+    share surface_share[GROUP_COUNT];
+    float surface[CORE_SURFACE_COUNT];
+} mixture;
+
+static void mixture_begin(mixture *mix, bool with_surface) {
+    for (uint32_t i = 0; i < 2; i++) {
+        mix->layers[i].share = (share){0.0f, 1.0f};
+        mix->layers[i].mask = 0;
+    }
+    if (with_surface) {
+        for (uint32_t g = 0; g < GROUP_COUNT; g++) {
+            mix->surface_share[g] = (share){0.0f, 1.0f};
+        }
+        memset(mix->surface, 0, sizeof mix->surface);
+    }
+}
+
+static void share_add(share *s, float weight) {
+    s->sum += weight;
+    s->keep *= 1.0f - weight;
+}
+
+static void mixture_add(mixture *mix, const core_cell_fields *fields, const core_cell_slot *slots, float weight,
+                        bool with_surface) {
+    if (fields->flags & VELUM_CELL_HAS_LAYERS) {
+        layer_sum *layers = &mix->layers[fields->flags & VELUM_CELL_MERGE_LAYERS ? 1 : 0];
+        share_add(&layers->share, weight);
+        for (uint32_t s = 0; s < fields->slot_count; s++) {
+            float *to = layers->slot[slots[s].slot];
+            const float *from = slots[s].field;
+            uint32_t bit = 1u << slots[s].slot;
+            if (layers->mask & bit) {
+                for (uint32_t f = 0; f < CORE_FIELD_COUNT; f++) {
+                    to[f] += weight * from[f];
+                }
+            } else {
+                for (uint32_t f = 0; f < CORE_FIELD_COUNT; f++) {
+                    to[f] = weight * from[f];
+                }
+                layers->mask |= bit;
+            }
+        }
+    }
+    for (uint32_t g = 0; with_surface && g < GROUP_COUNT; g++) {
+        if (fields->flags & groups[g].flags) {
+            share_add(&mix->surface_share[g], weight);
+            for (uint32_t f = groups[g].first; f < groups[g].first + groups[g].count; f++) {
+                mix->surface[f] += weight * fields->surface[f];
+            }
+        }
+    }
+}
+
+static void replace_layers(core_blend *blend, const layer_sum *from, float weight) {
+    float keep = 1.0f - weight;
+    float scale = weight / from->share.sum;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        uint32_t bit = 1u << slot;
+        float *to = blend->slot[slot];
+        if (!((blend->mask | from->mask) & bit)) {
+            continue;
+        }
+        if (!(blend->mask & bit) || keep <= 0.0f) {
+            memset(to, 0, sizeof blend->slot[slot]);
+        }
+        for (uint32_t f = 0; f < CORE_FIELD_COUNT; f++) {
+            to[f] = to[f] * keep + (from->mask & bit ? from->slot[slot][f] * scale : 0.0f);
+        }
+        blend->mask |= bit;
+    }
+    if (keep <= 0.0f) {
+        blend->mask = from->mask;
+    }
+}
+
+/* Layers that meet in a slot overlap at random; what they hold mixes by their coverage. */
+static void join_layers(core_blend *blend, const layer_sum *from, float weight) {
+    float scale = weight / from->share.sum;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        uint32_t bit = 1u << slot;
+        float *to = blend->slot[slot];
+        if (!(from->mask & bit)) {
+            continue;
+        }
+        if (!(blend->mask & bit)) {
+            memset(to, 0, sizeof blend->slot[slot]);
+            blend->mask |= bit;
+        }
+        float c1 = to[CORE_FIELD_COVERAGE];
+        float c2 = from->slot[slot][CORE_FIELD_COVERAGE] * scale;
+        float sum = c1 + c2;
+        if (!(sum > 0.0f)) {
+            continue;
+        }
+        float rest = (sum - c1 * c2) / sum;
+        for (uint32_t f = 0; f < CORE_FIELD_COUNT; f++) {
+            to[f] = (to[f] + from->slot[slot][f] * scale) * rest;
+        }
+    }
+}
+
+/* `sums`: the weights are shares of one whole (nodes of a grid, of which `outer` counts); otherwise each acts by itself
+ * and together they leave the product of what each leaves. */
+static void mixture_apply(core_blend *blend, const mixture *mix, bool sums, float outer, bool with_surface) {
+    for (uint32_t i = 0; i < 2; i++) {
+        const layer_sum *layers = &mix->layers[i];
+        if (layers->share.sum > 0.0f) {
+            float weight = sums ? fminf(layers->share.sum, 1.0f) * outer : 1.0f - layers->share.keep;
+            if (sums && layers->share.sum > 1.0f - 1e-5f) {
+                weight = outer;
+            }
+            (i == 0 ? replace_layers : join_layers)(blend, layers, weight);
+        }
+    }
+    for (uint32_t g = 0; with_surface && g < GROUP_COUNT; g++) {
+        share s = mix->surface_share[g];
+        if (s.sum > 0.0f) {
+            float weight = sums ? fminf(s.sum, 1.0f) * outer : 1.0f - s.keep;
+            for (uint32_t f = groups[g].first; f < groups[g].first + groups[g].count; f++) {
+                blend->surface[f] = blend->surface[f] * (1.0f - weight) + mix->surface[f] * (weight / s.sum);
+            }
+        }
+    }
+}
+
+static double smooth(double low, double high, double x) {
+    double t = fmin(fmax((x - low) / (high - low), 0.0), 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */
+static float region_weight(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg,
+                           double texel_m) {
+    double ramp_m = fmin(CORE_EDGE_TEXELS * texel_m, cell->breadth_m);
+    double middle_m = 0.5 * cell->transition_m;
+    double half_m = fmax(fmax(middle_m, ramp_m), 1e-3);
+    double distance_m = core_cell_region_distance_m(cell, normal, lat_deg, lon_deg, middle_m + half_m);
+    if (middle_m > ramp_m) {
+        return (float)(1.0 - smooth(middle_m - half_m, middle_m + half_m, distance_m));
+    }
+    return (float)fmin(fmax(0.5 - 0.5 * (distance_m - middle_m) / half_m, 0.0), 1.0);
+}
+
+static float station_weight(const core_cell *cell, const double normal[3]) {
+    return (float)(1.0 - smooth(0.5 * cell->radius_m, cell->radius_m, core_cell_point_distance_m(cell, normal)));
+}
+
+static void add_globals(const core_state *state, const double normal[3], double lat_deg, bool with_surface,
+                        core_blend *blend) {
+    double east[3];
+    double north[3];
+    /* East and north have no meaning at a pole: the wind fades out over the last degree. */
+    float fade = (float)smooth(0.0, 1.0, 90.0 - fabs(lat_deg));
+    core_east_north(normal, east, north);
+    for (uint32_t i = 0; i < state->first_station; i++) {
+        const core_cell *cell = state->cells[i];
+        core_cell_slot slots[VELUM_SLOT_COUNT];
+        core_cell_fields fields = cell->fields;
+        mixture mix;
+        memcpy(slots, cell->slots, sizeof slots);
+        for (uint32_t s = 0; s <= cell->slot_count; s++) {
+            float *wind =
+                s < cell->slot_count ? &slots[s].field[CORE_FIELD_WIND_X] : &fields.surface[CORE_SURFACE_WIND_X];
+            float u = wind[0] * fade;
+            float v = wind[1] * fade;
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                wind[axis] = u * (float)east[axis] + v * (float)north[axis];
+            }
+        }
+        mixture_begin(&mix, with_surface);
+        mixture_add(&mix, &fields, slots, 1.0f, with_surface);
+        mixture_apply(blend, &mix, false, 1.0f, with_surface);
+    }
+}
+
+static void add_grid(const core_state *state, double lat_deg, double lon_deg, double texel_m, bool with_surface,
+                     core_blend *blend) {
+    const core_grid *grid = state->grid;
+    double border_m = core_grid_border_m(grid, lat_deg, lon_deg);
+    float outer = (float)fmin(fmax(0.5 - 0.5 * border_m / (CORE_EDGE_TEXELS * texel_m), 0.0), 1.0);
+    mixture mix;
+    if (outer <= 0.0f) {
+        return;
+    }
+    core_grid_place place = core_grid_at(grid, lat_deg, lon_deg);
+    mixture_begin(&mix, with_surface);
+    for (uint32_t i = 0; i < 4; i++) {
+        if (place.weight[i] > 0.0f) {
+            const core_cell_fields *node = &grid->nodes[place.node[i]];
+            mixture_add(&mix, node, &grid->slots[node->first_slot], place.weight[i], with_surface);
+        }
+    }
+    mixture_apply(blend, &mix, true, outer, with_surface);
+}
+
+static void add_stations(const core_state *state, const double normal[3], uint32_t bin, bool with_surface,
+                         core_blend *blend) {
+    uint32_t at = state->stations.start[bin];
+    uint32_t end = state->stations.start[bin + 1];
+    while (at < end) {
+        int32_t priority = state->cells[state->stations.items[at]]->priority;
+        bool any = false;
+        mixture mix;
+        for (; at < end && state->cells[state->stations.items[at]]->priority == priority; at++) {
+            const core_cell *cell = state->cells[state->stations.items[at]];
+            float weight = station_weight(cell, normal);
+            if (weight > 0.0f) {
+                if (!any) {
+                    mixture_begin(&mix, with_surface);
+                    any = true;
+                }
+                mixture_add(&mix, &cell->fields, cell->slots, weight, with_surface);
+            }
+        }
+        if (any) {
+            mixture_apply(blend, &mix, false, 1.0f, with_surface);
+        }
+    }
+}
+
+static void add_regions(const core_state *state, const double normal[3], double lat_deg, double lon_deg, uint32_t bin,
+                        double texel_m, bool with_surface, core_blend *blend) {
+    for (uint32_t at = state->regions.start[bin]; at < state->regions.start[bin + 1]; at++) {
+        const core_cell *cell = state->cells[state->regions.items[at]];
+        float weight = region_weight(cell, normal, lat_deg, lon_deg, texel_m);
+        if (weight > 0.0f) {
+            mixture mix;
+            mixture_begin(&mix, with_surface);
+            mixture_add(&mix, &cell->fields, cell->slots, weight, with_surface);
+            mixture_apply(blend, &mix, false, 1.0f, with_surface);
+        }
+    }
+}
+
+void core_blend_at(const core_state *state, const double normal[3], double texel_m, bool with_surface,
+                   core_blend *out) {
+    double lat_deg = core_normal_lat_deg(normal);
+    double lon_deg = core_normal_lon_deg(normal);
+    uint32_t bin = core_index_bin(lat_deg, lon_deg);
+    out->mask = 0;
+    if (with_surface) {
+        memset(out->surface, 0, sizeof out->surface);
+        out->surface[CORE_SURFACE_LOG_VISIBILITY] = logf(CORE_VISIBILITY_DEFAULT_M);
+    }
+    add_globals(state, normal, lat_deg, with_surface, out);
+    if (state->grid) {
+        add_grid(state, lat_deg, lon_deg, texel_m, with_surface, out);
+    }
+    add_stations(state, normal, bin, with_surface, out);
+    add_regions(state, normal, lat_deg, lon_deg, bin, texel_m, with_surface, out);
+}
+
+static void set_tangent(const double normal[3], const float wind[3], float scale, float out[3]) {
+    float up = 0.0f;
+    for (uint32_t i = 0; i < 3; i++) {
+        up += wind[i] * (float)normal[i];
+    }
+    for (uint32_t i = 0; i < 3; i++) {
+        out[i] = (wind[i] - up * (float)normal[i]) * scale;
+    }
+}
+
+static void set_layers(const core_state *state, const double normal[3], const core_blend *blend, core_column *out) {
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        const float *f = blend->slot[slot];
+        if (!(blend->mask & (1u << slot)) || !(f[CORE_FIELD_COVERAGE] > 0.0f)) {
+            continue;
+        }
+        float scale = 1.0f / f[CORE_FIELD_COVERAGE];
+        float wind[3];
+        set_tangent(normal, &f[CORE_FIELD_WIND_X], scale, wind);
+        out->mask |= 1u << slot;
+        out->slot[slot] = (velum_slot_fields){
+            .coverage = fminf(f[CORE_FIELD_COVERAGE], 1.0f),
+            .base_m = f[CORE_FIELD_BASE] * scale + state->undulation_m,
+            .top_m = f[CORE_FIELD_TOP] * scale + state->undulation_m,
+            .extinction_1_m = expf(f[CORE_FIELD_LOG_EXTINCTION] * scale),
+            .wind_x_m_s = wind[0],
+            .wind_y_m_s = wind[1],
+            .wind_z_m_s = wind[2],
+            .kind = f[CORE_FIELD_KIND] * scale,
+        };
+    }
+}
+
+static void set_surface(const core_state *state, const double normal[3], const float *s, core_surface *out) {
+    float wind[3];
+    float most = 0.0f;
+    set_tangent(normal, &s[CORE_SURFACE_WIND_X], 1.0f, wind);
+    *out = (core_surface){
+        .visibility_m = expf(s[CORE_SURFACE_LOG_VISIBILITY]),
+        .fog_top_m = s[CORE_SURFACE_FOG_TOP] + state->undulation_m,
+        .elevation_m = s[CORE_SURFACE_ELEVATION] + state->undulation_m,
+        .wind_x_m_s = wind[0],
+        .wind_y_m_s = wind[1],
+        .wind_z_m_s = wind[2],
+        .gust_m_s = s[CORE_SURFACE_GUST],
+        .thunderstorm = s[CORE_SURFACE_THUNDERSTORM],
+    };
+    if (s[CORE_SURFACE_TEMPERATURE_KNOWN] > 0.0f) {
+        out->temperature_k = s[CORE_SURFACE_TEMPERATURE] / s[CORE_SURFACE_TEMPERATURE_KNOWN];
+    }
+    if (s[CORE_SURFACE_DEW_POINT_KNOWN] > 0.0f) {
+        out->dew_point_k = s[CORE_SURFACE_DEW_POINT] / s[CORE_SURFACE_DEW_POINT_KNOWN];
+    }
+    for (int32_t kind = VELUM_PRECIPITATION_RAIN; kind <= VELUM_PRECIPITATION_SLEET; kind++) {
+        float rate_mm_h = s[CORE_SURFACE_PRECIPITATION + kind];
+        out->precipitation_mm_h += rate_mm_h;
+        if (rate_mm_h > most) {
+            most = rate_mm_h;
+            out->precipitation = kind;
+        }
+    }
+}
+
+static void column(const core_state *state, const double normal[3], double texel_m, bool with_surface,
+                   core_column *out) {
+    core_blend blend;
+    memset(out, 0, sizeof *out);
+    core_blend_at(state, normal, texel_m, with_surface, &blend);
+    set_layers(state, normal, &blend, out);
+    if (with_surface) {
+        set_surface(state, normal, blend.surface, &out->surface);
+    }
+}
+
+void core_column_at(const core_state *state, const double normal[3], double texel_m, core_column *out) {
+    column(state, normal, texel_m, true, out);
+}
+
+void core_column_layers(const core_state *state, const double normal[3], double texel_m, core_column *out) {
+    column(state, normal, texel_m, false, out);
+}

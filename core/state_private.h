@@ -1,0 +1,50 @@
+/* What column.c, tile.c and tile_set.c see of a state. */
+#ifndef VELUM_CORE_STATE_PRIVATE_H
+#define VELUM_CORE_STATE_PRIVATE_H
+
+#include "cell.h"
+#include "grid.h"
+#include "state.h"
+
+/* Cells by bins of 2 degrees of latitude and longitude, each cell in every bin that it can reach. */
+#define CORE_INDEX_ROWS 90u
+#define CORE_INDEX_COLUMNS 180u
+typedef struct core_index {
+    uint32_t *start; /* ROWS * COLUMNS + 1 */
+    uint32_t *items; /* in the order of the cells */
+} core_index;
+
+struct core_state {
+    atomic_uint references;
+    uint64_t id;
+    float undulation_m;
+    core_grid *grid;   /* may be null */
+    core_cell **cells; /* by core_cell_compare: globals, stations, regions */
+    uint32_t cell_count;
+    uint32_t first_station, first_region;
+    core_index stations, regions;
+    uint32_t slot_mask;
+    uint32_t merged;
+    float min_base_m, max_top_m; /* MSL */
+    core_uniform_phase uniform[2];
+    uint64_t bytes;
+};
+
+static inline uint32_t core_index_bin(double lat_deg, double lon_deg) {
+    uint32_t row = (uint32_t)fmin(fmax((lat_deg + 90.0) * 0.5, 0.0), (double)CORE_INDEX_ROWS - 1.0);
+    uint32_t column = (uint32_t)fmin(fmax((lon_deg + 180.0) * 0.5, 0.0), (double)CORE_INDEX_COLUMNS - 1.0);
+    return row * CORE_INDEX_COLUMNS + column;
+}
+
+/* The blended fields of a place, each but the first times coverage; heights MSL, winds not yet tangent. */
+typedef struct core_blend {
+    uint32_t mask;
+    float slot[VELUM_SLOT_COUNT][CORE_FIELD_COUNT];
+    float surface[CORE_SURFACE_COUNT];
+} core_blend;
+void core_blend_at(const core_state *state, const double normal[3], double texel_m, bool with_surface, core_blend *out);
+
+/* Half the width of a sharp edge's ramp, in texels. */
+#define CORE_EDGE_TEXELS 1.0
+
+#endif
