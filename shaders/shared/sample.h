@@ -1,39 +1,51 @@
-/* From the fields of a slot and noise to extinction at a point. */
+/* From fields and noise to extinction: what the march, the shadow maps and the CPU's queries have in common. */
 #ifndef VELUM_SAMPLE_H
 #define VELUM_SAMPLE_H
 
 #include "density.h"
 
-/* Mix of two independent ranks, uniform again: the distribution of w0 r0 + w1 r1 is a trapezium (Irwin-Hall for two
- * weighted uniforms), and its cumulative function makes it flat. */
+/* Two drift phases' ranks in one. w0 r0 + w1 r1 of two uniform numbers has a trapezoid for a density; its distribution
+ * function makes it uniform again, so coverage stays what it is while the phases fade. */
 VELUM_FN float velum_rank_mix(float r0, float r1, float w1) {
-    float w0 = 1.0f - w1;
-    float a = VELUM_MIN(w0, w1);
-    float b = VELUM_MAX(w0, w1);
-    float x = w0 * r0 + w1 * r1;
-    if (a < 1.0e-4f) {
-        return x;
+    float w = velum_clamp(w1, 0.0f, 1.0f);
+    float x = (1.0f - w) * r0 + w * r1;
+    float a = VELUM_MIN(w, 1.0f - w);
+    float b = 1.0f - a;
+    float rank = x;
+    if (a > 1.0e-4f) {
+        float scale = 0.5f / (a * b);
+        if (x < a) {
+            rank = x * x * scale;
+        } else if (x <= b) {
+            rank = (x - 0.5f * a) / b;
+        } else {
+            rank = 1.0f - (1.0f - x) * (1.0f - x) * scale;
+        }
     }
-    if (x < a) {
-        return x * x / (2.0f * a * b);
-    }
-    if (x <= b) {
-        return (x - 0.5f * a) / b;
-    }
-    return 1.0f - (1.0f - x) * (1.0f - x) / (2.0f * a * b);
+    return rank;
 }
 
-/* Two weather states: coverage is mixed; what a layer is like, by how much of it each state has. */
+/* Two drift phases' lumps or fine detail (0..1, mean 0.5) in one: the contrast stays while they fade. */
+VELUM_FN float velum_detail_mix(float d0, float d1, float w1) {
+    float w = velum_clamp(w1, 0.0f, 1.0f);
+    float v = 1.0f - w;
+    float x = (v * (d0 - 0.5f) + w * (d1 - 0.5f)) / VELUM_SQRT(v * v + w * w);
+    return velum_clamp(0.5f + x, 0.0f, 1.0f);
+}
+
+/* The blend of two weather states: coverage fades; the rest is weighted by it, so that a cloud that only one state has
+ * keeps its height. */
 VELUM_FN velum_slot_fields velum_fields_mix(velum_slot_fields a, velum_slot_fields b, float t) {
-    velum_slot_fields f;
     float wa = (1.0f - t) * a.coverage;
     float wb = t * b.coverage;
-    float s = wa + wb > 1.0e-6f ? wb / (wa + wb) : t;
-    f.coverage = wa + wb;
+    float sum = wa + wb;
+    float s = sum > 1.0e-9f ? wb / sum : 0.0f;
+    velum_slot_fields f;
+    f.coverage = sum;
     f.base_m = velum_mix(a.base_m, b.base_m, s);
     f.top_m = velum_mix(a.top_m, b.top_m, s);
-    f.extinction_1_m = VELUM_EXP2(
-        velum_mix(VELUM_LOG2(VELUM_MAX(a.extinction_1_m, 1.0e-7f)), VELUM_LOG2(VELUM_MAX(b.extinction_1_m, 1.0e-7f)), s));
+    f.extinction_1_m = VELUM_EXP2(velum_mix(VELUM_LOG2(VELUM_MAX(a.extinction_1_m, 1.0e-7f)),
+                                            VELUM_LOG2(VELUM_MAX(b.extinction_1_m, 1.0e-7f)), s));
     f.wind_x_m_s = velum_mix(a.wind_x_m_s, b.wind_x_m_s, s);
     f.wind_y_m_s = velum_mix(a.wind_y_m_s, b.wind_y_m_s, s);
     f.wind_z_m_s = velum_mix(a.wind_z_m_s, b.wind_z_m_s, s);
@@ -41,21 +53,55 @@ VELUM_FN velum_slot_fields velum_fields_mix(velum_slot_fields a, velum_slot_fiel
     return f;
 }
 
-/* Extinction of a slot, 1/m. rank: of the column, 0..1; lump: -1..1; fine: 0..1. */
-VELUM_FN float velum_slot_extinction(int slot, velum_slot_fields f, float height_m, float rank, float lump, float fine) {
-    if (f.coverage <= 0.0f || height_m < f.base_m || height_m > f.top_m) {
-        return 0.0f;
-    }
+/* The fields that two texels of a page stand for, each value 0..1. */
+VELUM_FN velum_slot_fields velum_fields_of_texels(float a0, float a1, float a2, float a3, float b0, float b1, float b2,
+                                                  float b3) {
+    velum_slot_fields f;
+    f.coverage = a0;
+    f.base_m = velum_texel_height_m(a1);
+    f.top_m = velum_texel_height_m(a2);
+    f.extinction_1_m = velum_texel_extinction_1_m(a3);
+    f.wind_x_m_s = velum_texel_wind_m_s(b0);
+    f.wind_y_m_s = velum_texel_wind_m_s(b1);
+    f.wind_z_m_s = velum_texel_wind_m_s(b2);
+    f.kind = b3;
+    return f;
+}
+
+VELUM_STRUCT(velum_noise_point) {
+    float x, y, z;
+};
+
+/* Where the offset r from the eye lies in a noise: phase of the eye, plus the turned offset over the period. */
+VELUM_FN velum_noise_point velum_noise_place(float phase_x, float phase_y, float phase_z, float period_inv_1_m,
+                                             float stretch, float rx, float ry, float rz) {
+    velum_noise_point p;
+    p.x = phase_x + (VELUM_NOISE_AX * rx + VELUM_NOISE_AY * ry + VELUM_NOISE_AZ * rz) * period_inv_1_m;
+    p.y = phase_y + (VELUM_NOISE_BX * rx + VELUM_NOISE_BY * ry + VELUM_NOISE_BZ * rz) * period_inv_1_m;
+    p.z = phase_z + (VELUM_NOISE_CX * rx + VELUM_NOISE_CY * ry + VELUM_NOISE_CZ * rz) * stretch * period_inv_1_m;
+    return p;
+}
+
+/* Extinction, 1/m, at height (HAE) in a column of that rank; 0 outside the layer. Lump -1..1, fine 0..1. */
+VELUM_FN float velum_slot_extinction(int slot, velum_slot_fields f, float height_m, float rank, float lump,
+                                     float fine) {
+    float extinction = 0.0f;
     if (slot >= VELUM_SLOT_UNIFORM) {
-        return f.coverage >= 0.5f ? f.extinction_1_m : 0.0f;
+        if (height_m >= f.base_m && height_m <= f.top_m && f.coverage >= 0.5f) {
+            extinction = f.extinction_1_m;
+        }
+    } else {
+        float over_m = height_m - f.base_m;
+        float z = over_m / VELUM_MAX(f.top_m - f.base_m, 1.0f);
+        if (z > 0.0f && z < 1.0f && f.coverage > 0.0f) {
+            velum_profile profile = velum_profile_of(slot, f.kind);
+            float e = velum_excess(profile, f.coverage, rank);
+            if (e > 0.0f) {
+                extinction = f.extinction_1_m * velum_body(profile, e, z, over_m, lump, fine);
+            }
+        }
     }
-    velum_profile profile = velum_profile_of(slot, f.kind);
-    float e = velum_excess(profile, f.coverage, rank);
-    if (e <= 0.0f) {
-        return 0.0f;
-    }
-    float z = (height_m - f.base_m) / VELUM_MAX(f.top_m - f.base_m, 1.0f);
-    return f.extinction_1_m * velum_body(profile, e, z, height_m - f.base_m, lump, fine);
+    return extinction;
 }
 
 #endif
