@@ -1,0 +1,172 @@
+#include "pages.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
+    VkDeviceSize start = (s->used + 63u) & ~(VkDeviceSize)63u;
+    if (start > s->buffer.size || s->buffer.size - start < size) {
+        return NULL;
+    }
+    *offset = start;
+    s->used = start + size;
+    return (char *)s->buffer.mapped + start;
+}
+
+bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes) {
+    *p = (pages){0};
+    uint32_t layers = g->properties.limits.maxImageArrayLayers;
+    p->capacity = layers < PAGES_MAX ? layers : PAGES_MAX;
+    p->copy_capacity = (uint32_t)(stage_bytes / (2 * CORE_TILE_PAGE_BYTES)) + 1;
+    p->page = calloc(p->capacity, sizeof *p->page);
+    p->names = calloc(PAGES_NAMES, sizeof *p->names);
+    p->buckets = calloc(PAGES_BUCKETS, sizeof *p->buckets);
+    p->copies_a = calloc(p->copy_capacity, sizeof *p->copies_a);
+    p->copies_b = calloc(p->copy_capacity, sizeof *p->copies_b);
+    const gpu_image_desc desc = {.format = VK_FORMAT_R16G16B16A16_UNORM,
+                                 .type = VK_IMAGE_TYPE_2D,
+                                 .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                 .extent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1},
+                                 .layers = p->capacity,
+                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    if (!p->page || !p->names || !p->buckets || !p->copies_a || !p->copies_b) {
+        g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
+        return false;
+    }
+    return gpu_image_init(g, &p->a, &desc) && gpu_image_init(g, &p->b, &desc);
+}
+
+void pages_finish(pages *p, gpu *g) {
+    gpu_image_finish(g, &p->a);
+    gpu_image_finish(g, &p->b);
+    free(p->page);
+    free(p->names);
+    free(p->buckets);
+    free(p->copies_a);
+    free(p->copies_b);
+    *p = (pages){0};
+}
+
+void pages_begin_frame(pages *p) {
+    p->frame++;
+    p->used_now = 0;
+}
+
+static void touch(pages *p, uint32_t index) {
+    if (p->page[index].frame != p->frame) {
+        p->page[index].frame = p->frame;
+        p->used_now++;
+    }
+}
+
+bool pages_keep(pages *p, uint32_t index, uint64_t contents) {
+    if (index >= p->capacity || p->page[index].contents != contents) {
+        return false;
+    }
+    touch(p, index);
+    return true;
+}
+
+bool pages_full(const pages *p, float share) {
+    return (float)p->used_now > share * (float)p->capacity;
+}
+
+static uint64_t mix(uint64_t h) {
+    h ^= h >> 31;
+    h *= 0xbf58476d1ce4e5b9u;
+    return h ^ (h >> 29);
+}
+
+/* Of key, slot and texels. Never 0. */
+static uint64_t contents_of(const core_tile *tile, uint32_t slot) {
+    uint64_t h = mix(((uint64_t)tile->key << 8) | slot | 0x5a00000000000000u);
+    const uint16_t *sides[2] = {tile->slot[slot].a, tile->slot[slot].b};
+    for (uint32_t side = 0; side < 2; side++) {
+        for (uint32_t i = 0; i < CORE_TILE_PAGE_BYTES; i += 8) {
+            uint64_t word;
+            memcpy(&word, (const char *)sides[side] + i, sizeof word);
+            h = (h ^ word) * 0x9e3779b97f4a7c15u;
+            h ^= h >> 32;
+        }
+    }
+    h = mix(h);
+    return h ? h : 1;
+}
+
+static page_name *name_of(pages *p, const core_tile *tile, uint32_t slot) {
+    uint64_t h = mix(tile->state * 0x9e3779b97f4a7c15u ^ ((uint64_t)tile->key << 8 | slot));
+    page_name *name = &p->names[h & (PAGES_NAMES - 1)];
+    if (name->contents == 0 || name->state != tile->state || name->key != tile->key || name->slot != slot) {
+        *name = (page_name){tile->state, contents_of(tile, slot), tile->key, slot};
+    }
+    return name;
+}
+
+static uint32_t *bucket_of(pages *p, uint64_t contents) {
+    return &p->buckets[(contents >> 17) & (PAGES_BUCKETS - 1)];
+}
+
+static void evict(pages *p, uint32_t index) {
+    if (p->page[index].contents) {
+        uint32_t *at = bucket_of(p, p->page[index].contents);
+        while (*at != index + 1) {
+            at = &p->page[*at - 1].next;
+        }
+        *at = p->page[index].next;
+        p->page[index] = (page_entry){0};
+    }
+}
+
+static VkBufferImageCopy copy_of(VkDeviceSize offset, uint32_t layer) {
+    return (VkBufferImageCopy){.bufferOffset = offset,
+                               .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
+                               .imageExtent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1}};
+}
+
+uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uint64_t *contents) {
+    *contents = name_of(p, tile, slot)->contents;
+    uint32_t *bucket = bucket_of(p, *contents);
+    for (uint32_t i = *bucket; i != 0; i = p->page[i - 1].next) {
+        if (p->page[i - 1].contents == *contents) {
+            touch(p, i - 1);
+            return i - 1;
+        }
+    }
+    uint32_t oldest = VELUM_PAGE_NONE;
+    for (uint32_t i = 0; i < p->capacity; i++) {
+        if (p->page[i].frame != p->frame && (oldest == VELUM_PAGE_NONE || p->page[i].frame < p->page[oldest].frame)) {
+            oldest = i;
+            if (p->page[i].contents == 0) {
+                break;
+            }
+        }
+    }
+    VkDeviceSize offset = 0;
+    if (oldest == VELUM_PAGE_NONE || p->copy_count == p->copy_capacity ||
+        s->used + s->reserve + 2 * CORE_TILE_PAGE_BYTES > s->buffer.size) {
+        return VELUM_PAGE_NONE;
+    }
+    char *bytes = stage_take(s, 2 * CORE_TILE_PAGE_BYTES, &offset);
+    if (!bytes) {
+        return VELUM_PAGE_NONE;
+    }
+    memcpy(bytes, tile->slot[slot].a, CORE_TILE_PAGE_BYTES);
+    memcpy(bytes + CORE_TILE_PAGE_BYTES, tile->slot[slot].b, CORE_TILE_PAGE_BYTES);
+    evict(p, oldest);
+    p->page[oldest] = (page_entry){.contents = *contents, .next = *bucket};
+    *bucket = oldest + 1;
+    touch(p, oldest);
+    p->copies_a[p->copy_count] = copy_of(offset, oldest);
+    p->copies_b[p->copy_count] = copy_of(offset + CORE_TILE_PAGE_BYTES, oldest);
+    p->copy_count++;
+    p->uploaded++;
+    return oldest;
+}
+
+void pages_record(pages *p, gpu *g, VkCommandBuffer commands, VkBuffer staged) {
+    if (p->copy_count > 0) {
+        g->CmdCopyBufferToImage(commands, staged, p->a.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_a);
+        g->CmdCopyBufferToImage(commands, staged, p->b.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_b);
+    }
+    p->copy_count = 0;
+}

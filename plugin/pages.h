@@ -1,0 +1,60 @@
+/* The pages: what tiles look like on the device. Two texture arrays that all eyes of an engine share; a layer holds one
+ * slot of one tile of one state. Pages are known by their contents, so a tile that a commit did not touch keeps its
+ * page, and nothing is sent twice. Least recently used out. */
+#ifndef PLUGIN_PAGES_H
+#define PLUGIN_PAGES_H
+
+#include "core/tile.h"
+#include "gpu.h"
+
+enum { PAGES_MAX = 2048, PAGES_NAMES = 1 << 14, PAGES_BUCKETS = 4096 };
+
+typedef struct page_entry {
+    uint64_t contents; /* 0: empty */
+    uint64_t frame;    /* newest that asked for it */
+    uint32_t next;     /* of the bucket, + 1 */
+} page_entry;
+
+/* What the contents of (state, key, slot) are known to be. */
+typedef struct page_name {
+    uint64_t state;
+    uint64_t contents;
+    uint32_t key, slot;
+} page_name;
+
+/* Written by the host, copied from by the device: one for each frame in flight. */
+typedef struct stage {
+    gpu_buffer buffer;
+    VkDeviceSize used;
+    VkDeviceSize reserve; /* that pages leave to tables */
+} stage;
+
+void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset); /* null: full */
+
+typedef struct pages {
+    gpu_image a, b;
+    uint32_t capacity;
+    uint32_t used_now;   /* pages asked for in this frame */
+    uint64_t frame;
+    uint64_t uploaded;   /* since creation */
+    page_entry *page;
+    page_name *names;
+    uint32_t *buckets;   /* page + 1 */
+    VkBufferImageCopy *copies_a, *copies_b; /* of this record call */
+    uint32_t copy_count, copy_capacity;
+} pages;
+
+bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes);
+void pages_finish(pages *p, gpu *g);
+void pages_begin_frame(pages *p);
+
+/* Keeps a page for this frame; false if it no longer holds those contents. */
+bool pages_keep(pages *p, uint32_t index, uint64_t contents);
+/* The page of a tile's slot, VELUM_PAGE_NONE if there is no room for it (on the stage or among the pages). */
+uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uint64_t *contents);
+bool pages_full(const pages *p, float share);
+
+/* Copies what was staged since; nothing if there is none. Barriers are the caller's. */
+void pages_record(pages *p, gpu *g, VkCommandBuffer commands, VkBuffer staged);
+
+#endif
