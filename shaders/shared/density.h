@@ -15,12 +15,12 @@
 #include "calibration.h"
 #include "slots.h"
 
-/* How a kind of cloud fills its layer: a column of excess rank e is cloud at height fraction z where
- * e > g(z) (1 - amplitude n), n the lump noise in -1..1. */
+/* How a kind of cloud fills its layer: a column of excess rank e is cloud at height fraction z where e > g(z) and what
+ * lumps and fine detail carve off. */
 VELUM_STRUCT(velum_profile) {
     float reach;        /* g at the top: share of covered columns that stay below the top */
     float power;        /* of z in g: below 1 walls, above 1 domes */
-    float amplitude;    /* of the lumps, < 1 */
+    float amplitude;    /* of the lumps, in e */
     float softness;     /* of the boundary, in e */
     float erosion;      /* of the boundary by fine detail, in e */
     float stem;         /* g below the anvil, 0: none */
@@ -39,25 +39,25 @@ VELUM_STRUCT(velum_slot_noise) {
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {
     velum_slot_noise n;
-    n.shape_period_m = 11000.0f;
-    n.lump_period_m = 2300.0f;
-    n.fine_period_m = 410.0f;
+    n.shape_period_m = 12500.0f;
+    n.lump_period_m = 2100.0f;
+    n.fine_period_m = 310.0f;
     n.stretch = 1.0f;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         n.shape_period_m = 9000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 37000.0f;
-        n.lump_period_m = 5300.0f;
-        n.fine_period_m = 900.0f;
+        n.shape_period_m = 45000.0f;
+        n.lump_period_m = 6100.0f;
+        n.fine_period_m = 1100.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 7000.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 12000.0f;
+        n.shape_period_m = 8000.0f;
         n.lump_period_m = 5000.0f;
         n.fine_period_m = 800.0f;
-        n.stretch = 0.22f;
+        n.stretch = 0.12f;
     }
     return n;
 }
@@ -97,13 +97,13 @@ VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
     velum_profile p;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         /* St: a sheet. Sc: lumps and rolls. */
-        p = velum_profile_blend(velum_profile_make(0.30f, 4.0f, 0.15f, 0.16f, 0.05f, 0.0f, 0.5f, 40.0f),
-                                velum_profile_make(0.90f, 2.4f, 0.55f, 0.10f, 0.06f, 0.0f, 0.7f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.15f, 0.25f, 0.10f, 0.0f, 0.5f, 40.0f),
+                                velum_profile_make(0.88f, 2.4f, 0.40f, 0.12f, 0.22f, 0.0f, 0.7f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        p = velum_profile_blend(velum_profile_make(1.00f, 1.25f, 0.62f, 0.07f, 0.07f, 0.0f, 0.8f, 25.0f),
-                                velum_profile_make(0.95f, 1.6f, 0.70f, 0.06f, 0.07f, 0.0f, 0.8f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.88f, 1.5f, 0.50f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
+                                velum_profile_make(0.85f, 2.0f, 0.55f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        p = velum_profile_make(0.90f, 9.0f, 0.60f, 0.05f, 0.05f, 0.42f, 0.4f, 40.0f);
+        p = velum_profile_make(0.85f, 6.0f, 0.26f, 0.06f, 0.10f, 0.35f, 0.4f, 40.0f);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -112,7 +112,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
                                     2.0f * kind);
         } else {
             p = velum_profile_blend(velum_profile_make(0.25f, 4.0f, 0.20f, 0.25f, 0.05f, 0.0f, 0.3f, 80.0f),
-                                    velum_profile_make(0.90f, 1.3f, 0.55f, 0.14f, 0.07f, 0.0f, 0.5f, 25.0f),
+                                    velum_profile_make(0.88f, 1.3f, 0.45f, 0.14f, 0.22f, 0.0f, 0.5f, 25.0f),
                                     2.0f * kind - 1.0f);
         }
     } else {
@@ -148,10 +148,10 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
 }
 
 /* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1.
- * lump in -1..1 (or 0 where the pixel cannot show it), fine in 0..1 (or 0.5). */
+ * lump -1..1 and fine 0..1 carve the boundary, less at the foot than aloft (0 and 0.5 where the pixel shows neither). */
 VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
-    float g = velum_threshold(p, z) * (1.0f - p.amplitude * lump);
-    float f = e - g - p.erosion * (1.0f - fine) * (1.0f - e);
+    float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
+    float f = e - velum_threshold(p, z) - carve * velum_smoothstep(-0.25f, 0.35f, z);
     float inside = velum_smoothstep(0.0f, p.softness, f);
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
