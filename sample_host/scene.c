@@ -2,6 +2,7 @@
 
 #include "report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -98,4 +99,35 @@ void scene_point(double lat_deg, double lon_deg, double height_m, double positio
     const velum_scenario_camera pose = {.lat_deg = lat_deg, .lon_deg = lon_deg, .height_m = height_m};
     double right[3], up[3], forward[3];
     velum_scenario_pose_ecef(&pose, position_m, right, up, forward);
+}
+
+bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, double height_m, double time_s,
+                       struct cloud_cover *out) {
+    /* Over 10 km or so: one cloud that passes must not change the light of everything. */
+    static const double top_m = 25000, footprint_m = 20000, spread_deg = 0.03;
+    static const double offsets[5][2] = {{0, 0}, {1, 0.4}, {-0.4, 1}, {-1, -0.4}, {0.4, -1}};
+    double cosine = fmax(cos(place->lat_deg * 3.14159265358979323846 / 180), 0.01);
+    *out = (struct cloud_cover){0, 0};
+    for (int i = 0; i < 5; i++) {
+        double lat = fmin(fmax(place->lat_deg + offsets[i][0] * spread_deg, -90), 90);
+        double lon = place->lon_deg + offsets[i][1] * spread_deg / cosine;
+        velum_point_query point = {.struct_size = sizeof point, .time_s = time_s, .footprint_m = footprint_m};
+        velum_point_answer weather = {.struct_size = sizeof weather};
+        scene_point(lat, lon, height_m, point.position_ecef_m);
+        velum_result result = scene->plugin.world->query_point(scene->world, &point, &weather);
+        if (result >= 0 && height_m < top_m) {
+            velum_line_query line = {.struct_size = sizeof line, .time_s = time_s, .footprint_m = footprint_m};
+            velum_line_answer depth = {.struct_size = sizeof depth};
+            scene_point(lat, lon, height_m, line.from_ecef_m);
+            scene_point(lat, lon, top_m, line.to_ecef_m);
+            result = scene->plugin.world->query_line(scene->world, &line, &depth);
+            out->optical_depth += 0.2 * depth.optical_depth;
+        }
+        if (result < 0) {
+            plugin_report(&scene->plugin, "cloud cover", result);
+            return false;
+        }
+        out->coverage += 0.2 * (double)weather.coverage;
+    }
+    return true;
 }

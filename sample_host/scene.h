@@ -2,6 +2,7 @@
 #ifndef HOST_SCENE_H
 #define HOST_SCENE_H
 
+#include "daylight.h"
 #include "options.h"
 #include "plugin.h"
 
@@ -34,5 +35,9 @@ void scene_pose(const struct scene *scene, double time_s, struct eye_pose *out);
 
 /* A point over latitude and longitude, ECEF. */
 void scene_point(double lat_deg, double lon_deg, double height_m, double position_m[3]);
+
+/* Cloud over a height at the place of a camera. False: the plugin refused (reported). */
+bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, double height_m, double time_s,
+                       struct cloud_cover *out);
 
 #endif
