@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MAX_POINTS = 1 << 20 };
+
 #define TRY(call)                                                                                                      \
     do {                                                                                                               \
         velum_result try_result = (call);                                                                              \
@@ -111,6 +113,10 @@ static velum_result read_geometry(const json_document *document, const json_node
         return refuse_type(document, geometry, "Polygon or MultiPolygon");
     }
     TRY(read_polygons(document, geometry, NULL, NULL, cell));
+    if (cell->point_count > MAX_POINTS) {
+        return json_refuse(document, json_member(document, geometry, "coordinates"), "at most %d positions",
+                           MAX_POINTS);
+    }
     velum_lat_lon *points = weather_set_alloc(set, cell->point_count, sizeof *points);
     uint32_t *ring_sizes = weather_set_alloc(set, cell->ring_count, sizeof *ring_sizes);
     if (!points || !ring_sizes) {

@@ -7,6 +7,7 @@
 
 static const double DEG = 0.017453292519943295;
 static const float ICE_RADIUS_UM = 40; /* within 25..100, the range of Hess et al. (1998) for cirrus */
+static const double MOST_WIND_M_S = 125;
 enum { MAX_LAYERS = 16 };
 
 static const json_word GENERA[] = {{"Ci", VELUM_GENUS_CI}, {"Cc", VELUM_GENUS_CC}, {"Cs", VELUM_GENUS_CS},
@@ -42,7 +43,7 @@ static velum_result read_wind(const json_document *document, const json_node *ob
     double from_deg = 0, speed_m_s = 0;
     int any = json_member(document, object, "wind_from_deg") || json_member(document, object, "wind_m_s");
     TRY(json_read_double(document, object, "wind_from_deg", any, 0, 360, &from_deg));
-    TRY(json_read_double(document, object, "wind_m_s", any, 0, 200, &speed_m_s));
+    TRY(json_read_double(document, object, "wind_m_s", any, 0, MOST_WIND_M_S, &speed_m_s));
     *east_m_s = (float)(-speed_m_s * sin(from_deg * DEG));
     *north_m_s = (float)(-speed_m_s * cos(from_deg * DEG));
     *given = (uint32_t)any;
@@ -162,7 +163,7 @@ velum_result json_read_weather(const json_document *document, const json_node *o
     if (gust && !given) {
         return json_refuse(document, gust, "it only beside wind_m_s");
     }
-    TRY(json_read_float(document, object, "gust_m_s", JSON_OPTIONAL, 0, 200, &cell->gust_m_s));
+    TRY(json_read_float(document, object, "gust_m_s", JSON_OPTIONAL, 0, MOST_WIND_M_S, &cell->gust_m_s));
 
     const json_node *dew_point = json_member(document, object, "dew_point_c");
     int has_temperature = json_member(document, object, "temperature_c") || dew_point;

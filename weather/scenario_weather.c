@@ -141,15 +141,13 @@ error:
     return result;
 }
 
-/* `hidden`: a GRIB2 source that comes later takes its place; it is read for its errors only. */
-static velum_result read_global(const source_reader *reader, const json_node *source, int hidden) {
+static velum_result read_global(const source_reader *reader, const json_node *source) {
     static const char *const outer[] = {"global", NULL};
     static const char *const keys[] = {JSON_WEATHER_KEYS, NULL};
     const json_document *document = reader->document;
     TRY(json_expect_keys(document, source, outer));
     const json_node *object = json_member(document, source, "global");
     TRY(json_expect_keys(document, object, keys));
-    weather_set_mark_point mark = weather_set_mark(reader->set);
     velum_cell *cell = weather_set_add_cell(reader->set);
     if (!cell) {
         return weather_out_of_memory(document->error, document->name);
@@ -159,9 +157,7 @@ static velum_result read_global(const source_reader *reader, const json_node *so
     if (result < 0) {
         return result == VELUM_ERROR_OUT_OF_MEMORY ? weather_out_of_memory(document->error, document->name) : result;
     }
-    if (hidden) {
-        weather_set_rollback(reader->set, &mark);
-    } else if (reader->report) {
+    if (reader->report) {
         reader->report->layers += cell->layer_count;
     }
     return VELUM_OK;
@@ -207,7 +203,7 @@ static velum_result read_region(const source_reader *reader, const json_node *so
     return result;
 }
 
-static velum_result read_source(const source_reader *reader, const json_node *source, int grid_follows) {
+static velum_result read_source(const source_reader *reader, const json_node *source) {
     const json_document *document = reader->document;
     TRY(json_expect_object(document, source));
     if (json_member(document, source, "grib")) {
@@ -220,7 +216,7 @@ static velum_result read_source(const source_reader *reader, const json_node *so
         return read_geojson(reader, source);
     }
     if (json_member(document, source, "global")) {
-        return read_global(reader, source, grid_follows);
+        return read_global(reader, source);
     }
     if (json_member(document, source, "region")) {
         return read_region(reader, source);
@@ -243,20 +239,12 @@ static velum_result read_extra(const source_reader *reader, const scenario_extra
     }
 }
 
-/* Sources in turn, then the extras. A grid hides the global cells that come before it. */
+/* Sources in turn, then the extras. */
 static velum_result read_sources(const source_reader *reader, const json_node *sources, const scenario_extra *extras,
                                  uint32_t extra_count, int is_first) {
     const json_document *document = reader->document;
-    const json_node *last_grid = NULL;
-    int extra_grid = 0;
-    for (uint32_t i = 0; i < extra_count; i++) {
-        extra_grid |= extras[i].kind == SCENARIO_EXTRA_GRIB;
-    }
     for (const json_node *source = json_first(document, sources); source; source = json_next(document, source)) {
-        last_grid = json_member(document, source, "grib") ? source : last_grid;
-    }
-    for (const json_node *source = json_first(document, sources); source; source = json_next(document, source)) {
-        TRY(read_source(reader, source, extra_grid || (last_grid && source < last_grid)));
+        TRY(read_source(reader, source));
     }
     source_reader further = *reader;
     further.report = is_first ? reader->report : NULL; /* the same for every key: counted once */
