@@ -3,6 +3,7 @@
 #define VELUM_AIR_GLSL
 
 #include "engine.glsl"
+#include "shared/phase.h"
 
 const vec3 rayleigh_1_m = vec3(VELUM_RAYLEIGH_R, VELUM_RAYLEIGH_G, VELUM_RAYLEIGH_B);
 const vec3 ozone_1_m = vec3(VELUM_OZONE_R, VELUM_OZONE_G, VELUM_OZONE_B);
@@ -66,11 +67,6 @@ vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
 float phase_rayleigh(float c) {
     return 3.0 / (16.0 * PI) * (1.0 + c * c);
 }
-float phase_hg(float c, float g) {
-    float d = 1.0 + g * g - 2.0 * g * c;
-    return (1.0 - g * g) / (4.0 * PI * d * sqrt(max(d, 1e-8)));
-}
-
 /* All orders beyond the first, as if isotropic (Hillaire 2020, section 5.5): luminance per unit sun. */
 vec3 glow_at(float height_m, float mu_sun) {
     vec2 place = vec2(0.5 + 0.5 * mu_sun, clamp(height_m / VELUM_AIR_TOP_M, 0.0, 1.0));
@@ -83,7 +79,7 @@ vec3 air_source(float height_m, float mu_sun, float cos_sun, bool with_glow) {
     vec3 sun = sun_through_air(height_m, mu_sun);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
-    vec3 source = sun * (rayleigh * phase_rayleigh(cos_sun) + aerosol * phase_hg(cos_sun, VELUM_AEROSOL_G));
+    vec3 source = sun * (rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G));
     if (with_glow) {
         source += (rayleigh + aerosol) * glow_at(height_m, mu_sun);
     }
@@ -122,7 +118,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
             vec3 sun = sun_through_air(p.height_m, mu_sun);
             float direct = exp(-above / max(mu_sun, 0.05));
             float diffuse = max(mu_sun, 0.0) / (1.0 + 0.12 * above);
-            source += fog * sun * (direct * (0.7 * phase_hg(cos_sun, 0.75) + 0.3 / (4.0 * PI)) + diffuse * 0.8 / PI);
+            source += fog * sun * (direct * (0.7 * velum_phase_hg(cos_sun, 0.75) + 0.3 / (4.0 * PI)) + diffuse * 0.8 / PI);
             source += fog * glow_at(p.height_m, mu_sun);
         }
         vec3 step_t = exp(-extinction * dt);

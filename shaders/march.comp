@@ -16,14 +16,12 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
-struct cloud_sample {
-    float extinction_1_m;
-    float scattering_1_m;
-    float gap;           /* how far in rank the next cloud is, over the column: 0 in cloud */
-    float over_m;        /* height to climb or fall until any layer can begin; 0 within one */
-    int slot;            /* that gives most */
-    velum_slot_fields fields;
-    float excess;
+/* What holds along a ray: its angle to the sun never changes. */
+struct ray_phases {
+    float water, ice; /* first order */
+    float widened;    /* orders that keep near the forward peak */
+    float diffuse;    /* what has turned, times 4 pi */
+    float cos_sun;
 };
 
 /* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
@@ -74,43 +72,36 @@ float sun_depth(int slot, velum_slot_fields f, velum_profile profile, vec3 r, fl
 }
 
 /* Light scattered towards the eye by cloud at r, per unit of scattering: luminance per 1/m. */
-vec3 cloud_source(int slot, velum_slot_fields f, velum_profile profile, float excess, float own_1_m, vec3 r,
-                  float height_m, vec3 normal, float cos_sun, float start) {
+vec3 cloud_source(int slot, velum_slot_fields f, velum_profile profile, float excess, vec3 r, float height_m,
+                  vec3 normal, ray_phases phases, float start) {
     float mu_sun = dot(normal, eye.sun.xyz);
     float thickness = max(f.top_m - f.base_m, 1.0);
-    float depth;
-    float column;
-    float above;
-    if (slot >= VELUM_SLOT_UNIFORM) {
-        depth = f.extinction_1_m * max(f.top_m - height_m, 0.0) / max(mu_sun, 1e-3);
-        column = f.extinction_1_m * thickness;
-        above = (f.top_m - height_m) / thickness;
-        vec3 sun = eye.sun_lx.rgb * sun_through_air(height_m, mu_sun);
-        float g = eye.slots[slot].optics.y;
-        float diffuse = 1.0 / (1.0 + 0.75 * (1.0 - g) * depth);
-        return sun * (phase_hg(cos_sun, g) * exp(-depth) +
-                      (1.0 - exp(-0.1 * column)) * 2.2 / (4.0 * PI) * max(diffuse - exp(-depth), 0.0));
-    }
-    depth = sun_depth(slot, f, profile, r, height_m, normal, mu_sun, int(view.steps.y), start);
-    float reach = pow(clamp(excess / max(profile.reach, 0.05), 0.0, 1.0), 1.0 / profile.power);
-    column = f.extinction_1_m * profile.density_scale * thickness * max(reach, 0.1);
-    float z = (height_m - f.base_m) / thickness;
-    above = clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
-
     vec3 sun = eye.sun_lx.rgb * sun_through_air(height_m, mu_sun);
-    /* Orders of scattering: the first by its own phase, those that stay near the forward peak by a widened one, the
-     * rest as diffuse light that falls off as 1 / depth (two-stream). */
-    float g = 0.86;
-    float first = velum_phase_cloud(cos_sun, slot == VELUM_SLOT_HIGH) * exp(-depth);
-    float widened = phase_hg(cos_sun, 0.55) * exp(-0.30 * depth) * (1.0 - exp(-0.25 * (column + depth)));
+    if (slot >= VELUM_SLOT_UNIFORM) {
+        float g = eye.slots[slot].optics.y;
+        float depth = f.extinction_1_m * max(f.top_m - height_m, 0.0) / max(mu_sun, 1e-3);
+        float diffuse = 1.0 / (1.0 + 0.75 * (1.0 - g) * depth);
+        float share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
+        return sun * (velum_phase_hg(phases.cos_sun, g) * exp(-depth) +
+                      share * 2.2 * VELUM_INV_4PI * max(diffuse - exp(-depth), 0.0));
+    }
+    float depth = sun_depth(slot, f, profile, r, height_m, normal, mu_sun, int(view.steps.y), start);
+    /* How high this column's cloud stands, and how much of it lies above and below. */
+    float reach = pow(clamp(excess / max(profile.reach, 0.05), 0.0, 1.0), 1.0 / profile.power);
+    float column = f.extinction_1_m * profile.density_scale * thickness * max(reach, 0.1);
+    float z = (height_m - f.base_m) / thickness;
+    float above = clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
+    /* Orders of scattering: the first by its own phase, those that keep near the forward peak by a widened one, the
+     * rest as diffuse light that falls off as 1 / depth (two streams). */
+    float first = (slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
+    float widened = phases.widened * exp(-0.30 * depth) * (1.0 - exp(-0.25 * (column + depth)));
     float thick = 1.0 - exp(-0.10 * (column + depth));
-    float diffuse = (0.62 + 0.38 * phase_hg(cos_sun, 0.25) * 4.0 * PI) * thick / (1.0 + 0.13 * depth);
-    float order_sum = first + 0.55 * widened + 1.55 / (4.0 * PI) * diffuse;
-
+    float diffuse = phases.diffuse * thick / (1.0 + 0.07 * depth);
+    float orders = first + 0.55 * widened + 1.9 * VELUM_INV_4PI * diffuse;
     /* Sky above and ground below, each dimmed by the cloud that lies between. */
-    vec3 up_light = ambient_at(height_m, false) / (1.0 + 0.14 * column * above);
-    vec3 down_light = ambient_at(height_m, true) / (1.0 + 0.14 * column * clamp(z, 0.0, 1.0));
-    return sun * order_sum + (up_light + down_light) * 0.5;
+    vec3 from_above = ambient_at(height_m, false) / (1.0 + 0.10 * column * above);
+    vec3 from_below = ambient_at(height_m, true) / (1.0 + 0.10 * column * clamp(z, 0.0, 1.0));
+    return sun * orders + (from_above + from_below) * 0.5;
 }
 
 void main() {
@@ -151,7 +142,12 @@ void main() {
     bool clear = (eye.table.z == 0u);
 
     float offset = fract(view.march.w + float((pixel.x & 3) * 4 + (pixel.y & 3)) * 0.3125);
-    float cos_sun = dot(ray.direction, eye.sun.xyz);
+    ray_phases phases;
+    phases.cos_sun = dot(ray.direction, eye.sun.xyz);
+    phases.water = velum_phase_cloud(phases.cos_sun, false);
+    phases.ice = velum_phase_cloud(phases.cos_sun, true);
+    phases.widened = velum_phase_hg(phases.cos_sun, 0.55);
+    phases.diffuse = 0.62 + 0.38 * velum_phase_hg(phases.cos_sun, 0.25) / VELUM_INV_4PI;
     int limit = int(view.steps.x);
     float dt_min = view.march.x;
     float growth = view.march.y;
@@ -203,7 +199,7 @@ void main() {
                     velum_profile none;
                     total += extinction;
                     source += extinction * eye.slots[slot].optics.x *
-                              cloud_source(slot, f, none, 1.0, extinction, r, clamp(h, f.base_m, f.top_m), normal, cos_sun, 0.5);
+                              cloud_source(slot, f, none, 1.0, r, clamp(h, f.base_m, f.top_m), normal, phases, 0.5);
                 }
                 advance = 0.0;
                 continue;
@@ -234,7 +230,7 @@ void main() {
                 total += extinction;
                 light_samples += view.steps.y;
                 source += extinction *
-                          cloud_source(slot, f, profile, e, extinction, r, h, normal, cos_sun, 0.25 + 0.5 * offset);
+                          cloud_source(slot, f, profile, e, r, h, normal, phases, 0.25 + 0.5 * offset);
             }
         }
         if (total > 0.0) {
