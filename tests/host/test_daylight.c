@@ -1,0 +1,73 @@
+/* The light on the host's ground and the exposure. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "daylight.h"
+
+#include <math.h>
+
+static const float sun_lx[3] = {128000, 128000, 128000};
+static const struct cloud_cover clear = {0, 0};
+
+static double level_lx(double sine, const struct cloud_cover *cover) {
+    struct daylight light;
+    daylight_compute(sine, sun_lx, true, cover, &light);
+    return (double)light.sun_lx[1] * fmax(sine, 0) + (double)light.sky_lx[1];
+}
+
+static void clear_noon_is_as_bright_as_measured(void **state) {
+    (void)state;
+    /* Clear skies: about 100 klx with the sun overhead, 50 to 60 klx at 30 degrees, 400 to 1000 lx at sunset. */
+    assert_in_range((uintmax_t)level_lx(1, &clear), 100000, 130000);
+    assert_in_range((uintmax_t)level_lx(0.5, &clear), 48000, 66000);
+    assert_in_range((uintmax_t)level_lx(0, &clear), 400, 1000);
+}
+
+static void overcast_takes_light_away(void **state) {
+    double before = level_lx(0.7, &clear);
+    (void)state;
+    for (double depth = 1; depth < 200; depth *= 2) {
+        const struct cloud_cover cover = {1, depth};
+        struct daylight light;
+        daylight_compute(0.7, sun_lx, true, &cover, &light);
+        assert_true((double)light.sky_lx[1] < before);
+        before = (double)light.sky_lx[1];
+    }
+    assert_true(before < 0.15 * level_lx(0.7, &clear));
+}
+
+static void no_air_means_no_sky(void **state) {
+    struct daylight light;
+    (void)state;
+    daylight_compute(0.5, sun_lx, false, &clear, &light);
+    assert_float_equal(light.sun_lx[0], 128000, 0);
+    assert_float_equal(light.sky_lx[2], 0, 0);
+}
+
+static void exposure_is_finite_and_follows_the_sun(void **state) {
+    double before = 0;
+    (void)state;
+    for (double elevation = 90; elevation >= -90; elevation -= 1) {
+        double exposure = daylight_exposure(sin(elevation * 3.14159265358979 / 180), sun_lx, true, &clear);
+        assert_true(isfinite(exposure) && exposure >= before);
+        before = exposure;
+    }
+    const float dark[3] = {0, 0, 0};
+    assert_true(isfinite(daylight_exposure(0.5, dark, true, &clear)));
+    const struct cloud_cover absurd = {7, NAN};
+    assert_true(isfinite(daylight_exposure(0.5, sun_lx, true, &absurd)));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clear_noon_is_as_bright_as_measured),
+        cmocka_unit_test(overcast_takes_light_away),
+        cmocka_unit_test(no_air_means_no_sky),
+        cmocka_unit_test(exposure_is_finite_and_follows_the_sun),
+    };
+    return cmocka_run_group_tests_name("daylight", tests, NULL, NULL);
+}
