@@ -54,7 +54,7 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 7000.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 8000.0f;
+        n.shape_period_m = 18000.0f;
         n.lump_period_m = 5000.0f;
         n.fine_period_m = 800.0f;
         n.stretch = 0.12f;
@@ -103,7 +103,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
         p = velum_profile_blend(velum_profile_make(0.88f, 1.5f, 0.50f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
                                 velum_profile_make(0.85f, 2.0f, 0.55f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        p = velum_profile_make(0.85f, 6.0f, 0.26f, 0.06f, 0.10f, 0.35f, 0.4f, 40.0f);
+        p = velum_profile_make(0.80f, 10.0f, 0.40f, 0.05f, 0.12f, 0.55f, 0.4f, 40.0f);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -118,11 +118,11 @@ VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
     } else {
         /* Cs: a veil; Ci: fibres; Cc: grains. */
         if (kind < 0.5f) {
-            p = velum_profile_blend(velum_profile_make(0.35f, 2.0f, 0.20f, 0.80f, 0.00f, 0.0f, 0.0f, 100.0f),
-                                    velum_profile_make(0.80f, 1.2f, 0.55f, 0.70f, 0.10f, 0.0f, 0.0f, 100.0f),
+            p = velum_profile_blend(velum_profile_make(0.35f, 2.0f, 0.25f, 0.60f, 0.10f, 0.0f, 0.0f, 100.0f),
+                                    velum_profile_make(0.70f, 1.2f, 0.50f, 0.60f, 0.35f, 0.0f, 0.0f, 100.0f),
                                     2.0f * kind);
         } else {
-            p = velum_profile_blend(velum_profile_make(0.80f, 1.2f, 0.55f, 0.70f, 0.10f, 0.0f, 0.0f, 100.0f),
+            p = velum_profile_blend(velum_profile_make(0.70f, 1.2f, 0.50f, 0.60f, 0.35f, 0.0f, 0.0f, 100.0f),
                                     velum_profile_make(0.85f, 1.2f, 0.55f, 0.30f, 0.08f, 0.0f, 0.0f, 40.0f),
                                     2.0f * kind - 1.0f);
         }
@@ -142,7 +142,7 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 VELUM_FN float velum_threshold(velum_profile p, float z) {
     float g = p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
     if (p.stem > 0.0f) {
-        g = g + p.stem * (1.0f - velum_smoothstep(0.50f, 0.80f, z));
+        g = g + p.stem * (1.0f - velum_smoothstep(0.62f, 0.86f, z));
     }
     return g;
 }
