@@ -102,8 +102,19 @@ static velum_result check_groups(const grib_field *field, const char *name, pack
     return VELUM_OK;
 }
 
-static uint32_t be32(const unsigned char *bytes) {
-    return grib_u32(bytes);
+/* All chunks up to IEND lie inside: ecCodes ends the process when a read goes beyond. */
+static int png_is_whole(const unsigned char *data, size_t size) {
+    for (size_t at = 8; size - at >= 12;) {
+        const uint32_t length = grib_u32(data + at);
+        if (length > size - at - 12) {
+            return 0;
+        }
+        if (memcmp(data + at + 4, "IEND", 4) == 0) {
+            return 1;
+        }
+        at += 12 + (size_t)length;
+    }
+    return 0;
 }
 
 /* The picture inside must have as many points as there are packed values, of the stated depth. */
@@ -115,25 +126,25 @@ static velum_result check_picture(const grib_field *field, const char *name, con
     int fits = 0;
     if (in->template_number == PACKING_PNG) {
         static const unsigned char magic[16] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
-        if (size < 33 || memcmp(data, magic, sizeof(magic)) != 0) {
-            return fail(field, name, error, "data section: expected a PNG picture");
+        if (size < 45 || memcmp(data, magic, sizeof(magic)) != 0 || !png_is_whole(data, size)) {
+            return fail(field, name, error, "data section: expected a whole PNG picture");
         }
         const uint32_t depth = data[24], colour = data[25];
         const uint32_t channels = colour == 0 ? 1 : colour == 2 ? 3 : colour == 6 ? 4 : 0;
-        points = (uint64_t)be32(data + 16) * be32(data + 20);
+        points = (uint64_t)grib_u32(data + 16) * grib_u32(data + 20);
         fits = depth * channels == in->bits || (colour == 0 && depth >= in->bits && depth - in->bits < 8);
     } else {
         if (size < 47 || memcmp(data, "\xff\x4f\xff\x51", 4) != 0) {
             return fail(field, name, error, "data section: expected a JPEG 2000 code stream");
         }
-        const uint32_t x0 = be32(data + 16), y0 = be32(data + 20);
-        const uint32_t x1 = be32(data + 8), y1 = be32(data + 12);
+        const uint32_t x0 = grib_u32(data + 16), y0 = grib_u32(data + 20);
+        const uint32_t x1 = grib_u32(data + 8), y1 = grib_u32(data + 12);
         if (x1 > x0 && y1 > y0) {
             points = (uint64_t)(x1 - x0) * (y1 - y0);
         }
         /* One component, without subsampling, tiles that are not many more than needed. */
-        fits = grib_u16(data + 40) == 1 && data[43] == 1 && data[44] == 1 && be32(data + 24) > 0 &&
-               be32(data + 28) > 0 && (uint64_t)be32(data + 24) * be32(data + 28) >= points / 1024;
+        fits = grib_u16(data + 40) == 1 && data[43] == 1 && data[44] == 1 && grib_u32(data + 24) > 0 &&
+               grib_u32(data + 28) > 0 && (uint64_t)grib_u32(data + 24) * grib_u32(data + 28) >= points / 1024;
     }
     if (points != in->count || !fits) {
         return fail(field, name, error, "data section: the picture's size or depth is not that of the field");

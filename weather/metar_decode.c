@@ -530,9 +530,9 @@ int metar_decode(const char *text, size_t size, metar_report *report, char reaso
         report->precipitation = VELUM_PRECIPITATION_SNOW;
     }
     if (!report->has_sky && !report->is_obscured && !report->has_visibility && !report->has_wind &&
-        !report->has_temperature) {
+        !report->has_temperature && !report->weather && !report->precipitation) {
         *offset = body;
-        snprintf(reason, 96, "no group of use: expected wind, visibility, sky or temperature");
+        snprintf(reason, 96, "no group of use: expected wind, visibility, sky, weather or temperature");
         return 0;
     }
     return 1;
