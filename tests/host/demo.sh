@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# demo.sh HOST SCENARIOS [OPTIONS...]: every command of the host over its scenarios, small. Exit status 0 only if all of
+# it succeeds, with the pictures there.
+set -euo pipefail
+host=$1
+scenarios=$2
+shift 2
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+unset DISPLAY WAYLAND_DISPLAY
+
+for scenario in "$scenarios"/*.json; do
+    name=$(basename "$scenario" .json)
+    "$host" check "$scenario" > /dev/null
+    "$host" play "$scenario" --at 5 --settle 3 --size 96x54 --format png,exr --out "$out/$name" --stats "$out/stats" "$@"
+    [ "$(find "$out/$name" -size +0 -name '*_000000.png' | wc -l)" -ge 3 ]
+    [ "$(find "$out/$name" -size +0 -name '*_000000.exr' | wc -l)" -ge 3 ]
+    [ "$(wc -l < "$out/stats")" -ge 9 ]
+done
+"$host" play "$scenarios/fair_weather.json" --from 0 --to 3 --size 96x54 --channels left --out "$out/moving" "$@"
+[ "$(find "$out/moving" -size +0 -name '*.png' | wc -l)" -eq 4 ]
+"$host" probe "$scenarios/fair_weather.json" --at 5 > "$out/probe.json"
+grep -q '"optical_depth"' "$out/probe.json"
+"$host" shadow "$scenarios/fair_weather.json" --at 5 --out "$out/shadow.exr" "$@" > "$out/shadow.json"
+grep -q '"extent_m"' "$out/shadow.json"
+[ -s "$out/shadow.exr" ]
