@@ -1,0 +1,214 @@
+/* Velum ABI, part 4: engines, eyes, views, shadow maps and frames. Table "velum.engine/1".
+ *
+ * An engine is made by "velum.vulkan/1" (on the host's device) or by "velum.standalone/1" (on its own). Eyes belong to
+ * an engine, views to an eye. Order in a frame: begin_frame; record_shared (once); record_view and record_shadow (any
+ * number, any order); end_frame. A standalone engine records and submits by itself.
+ *
+ * Positions and directions are ECEF: metres, double. Luminance is cd/m2, illuminance lx, per channel of linear
+ * Rec. 709 primaries. */
+#ifndef VELUM_ENGINE_H
+#define VELUM_ENGINE_H
+
+#include "world.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    VELUM_QUALITY_DEFAULT = 0, /* medium */
+    VELUM_QUALITY_LOW = 1,
+    VELUM_QUALITY_MEDIUM = 2,
+    VELUM_QUALITY_HIGH = 3,
+    VELUM_QUALITY_ULTRA = 4,
+    VELUM_QUALITY_REFERENCE = 5 /* not yet: VELUM_ERROR_UNSUPPORTED */
+};
+
+enum { VELUM_ATMOSPHERE_EARTH = 0, VELUM_ATMOSPHERE_NONE = 1 };
+
+typedef struct velum_eye_desc {
+    uint32_t struct_size;
+    uint32_t flags;         /* 0 */
+    int32_t quality;        /* VELUM_QUALITY_* */
+    float budget_ms;        /* time for all views of the eye; 0: none. Reserved: must be 0 */
+    float budget_error;     /* relative error instead; 0: none. Reserved: must be 0 */
+    uint32_t reserved;
+} velum_eye_desc;
+
+typedef struct velum_view_desc {
+    uint32_t struct_size;
+    uint32_t flags;         /* 0 */
+    uint32_t width, height; /* pixels, 1..8192, of the largest picture that the view will give */
+    const char *name;       /* for logs and statistics, copied; may be null */
+} velum_view_desc;
+
+typedef struct velum_shadow_desc {
+    uint32_t struct_size;
+    uint32_t flags;         /* 0 */
+    uint32_t levels;        /* nested clip maps, 1..4; 0: 3 */
+    uint32_t texels;        /* a side, of each level: 64..1024, a multiple of 16; 0: 256 */
+    float extent_m;         /* side of the finest level; each next is 4 times as wide; 1000..100000; 0: 8192 */
+    uint32_t reserved;
+} velum_shadow_desc;
+
+/* What holds for all views of an engine's frame. */
+typedef struct velum_frame_info {
+    uint32_t struct_size;
+    uint32_t flags;                     /* 0 */
+    uint64_t submit_serial;             /* of the submission that this frame is part of; strictly increasing, > 0 */
+    uint64_t completed_serial;          /* of the newest submission that the device has finished; < submit_serial */
+    double time_s;                      /* on the weather timeline; may go backward */
+    double sun_direction_ecef[3];       /* towards the sun, unit within 1e-3 */
+    float sun_illuminance_lx[3];        /* at the top of the atmosphere, on a plane that faces the sun; >= 0 */
+    float sun_angular_radius_rad;       /* 0: 0.004654 */
+    float ground_albedo[3];             /* 0..1 */
+    int32_t atmosphere;                 /* VELUM_ATMOSPHERE_* */
+} velum_frame_info;
+
+/* One eye in a frame. */
+typedef struct velum_eye_frame {
+    uint32_t struct_size;
+    uint32_t flags;                     /* VELUM_EYE_RESET */
+    velum_eye *eye;
+    double position_ecef_m[3];
+} velum_eye_frame;
+#define VELUM_EYE_RESET 0x1u /* all views of the eye start anew, as after a cut */
+
+enum {
+    VELUM_DEPTH_REVERSED_INFINITE = 0, /* d = near / z, infinite far plane: 0 is infinity */
+    VELUM_DEPTH_REVERSED = 1,          /* d = near (far - z) / (z (far - near)) */
+    VELUM_DEPTH_FORWARD = 2,           /* d = far (z - near) / (z (far - near)) */
+    VELUM_DEPTH_DISTANCE = 3           /* metres along the ray; 0 or infinity: nothing there */
+};
+
+#define VELUM_VIEW_CUT 0x1u          /* no history: the camera has jumped */
+#define VELUM_VIEW_ORTHOGRAPHIC 0x2u /* tangents are half extents in metres */
+#define VELUM_VIEW_GROUND 0x4u       /* draw the ellipsoid as ground where the host gives no depth */
+#define VELUM_VIEW_SUN_DISC 0x8u     /* draw the sun's disc */
+
+/* One view in a frame. right, up and forward are unit vectors, orthogonal within 1e-3, right-handed as
+ * right x up = -forward. A pixel's ray is forward + right x + up y, x from tan_left to tan_right over the sub-rectangle
+ * from left to right, y from tan_top to tan_bottom from the first row to the last. */
+typedef struct velum_view_frame {
+    uint32_t struct_size;
+    uint32_t flags;                 /* VELUM_VIEW_* */
+    double position_ecef_m[3];      /* within 10 km of its eye's */
+    double right_ecef[3];
+    double up_ecef[3];
+    double forward_ecef[3];
+    float tan_left, tan_right;      /* left < right; off-axis is ordinary */
+    float tan_bottom, tan_top;      /* bottom < top */
+    float jitter_x, jitter_y;       /* of the host's own antialiasing, pixels, -1..1 */
+    uint32_t x, y, width, height;   /* sub-rectangle of the images; width, height 0: the view's */
+    uint32_t array_layer;
+    int32_t depth_convention;       /* VELUM_DEPTH_*, of the host's depth image */
+    float depth_near_m, depth_far_m;
+    float luminance_scale;          /* images hold luminance times this; > 0; 0: 1 */
+    uint32_t reserved;
+} velum_view_frame;
+
+/* Where a shadow map is wanted. It is snapped to the world's own texels: the same centre gives the same map whatever
+ * any camera does. */
+typedef struct velum_shadow_frame {
+    uint32_t struct_size;
+    uint32_t flags;                 /* 0 */
+    double centre_ecef_m[3];
+} velum_shadow_frame;
+
+/* What the host's shaders need to sample a shadow map: the uniform block of velum_shadow.glsl, std140. Positions are
+ * relative to origin_ecef_m. Texel (u, v) of level k at position p: uv = (dot(p, axis_u), dot(p, axis_v)) /
+ * extent_m[k] + offset[k]. */
+typedef struct velum_shadow_block {
+    float axis_u[4];        /* unit, across the sun's direction; w: number of levels */
+    float axis_v[4];        /* w: texels a side */
+    float sun[4];           /* towards the sun; w: 0 */
+    float level[4][4];      /* per level: extent_m, offset_u, offset_v, reserved */
+} velum_shadow_block;
+
+typedef struct velum_shadow_geometry {
+    uint32_t struct_size;
+    uint32_t levels;
+    uint32_t texels;
+    uint32_t reserved;
+    double origin_ecef_m[3];    /* the host subtracts this, in double, before it goes to float */
+    velum_shadow_block block;
+} velum_shadow_geometry;
+
+/* Figures of the newest finished frame of a view. Times are of the device, ms; 0 where the device has no timestamps. */
+typedef struct velum_view_stats {
+    uint32_t struct_size;
+    uint32_t incomplete;        /* 1: tiles were missing */
+    uint64_t frame;             /* submit_serial */
+    uint64_t revision;          /* of the weather */
+    uint64_t rays;              /* marched */
+    uint64_t samples;           /* of the density function along rays, and towards the sun */
+    uint64_t light_samples;
+    float march_ms, resolve_ms; /* of this view */
+    float shared_ms;            /* of the eye's shared passes of that frame */
+    float shadow_ms;
+    uint64_t weather_bytes;     /* device memory: tiles, noise, tables; shared by all views */
+    uint64_t view_bytes;        /* device memory of this view */
+} velum_view_stats;
+
+/* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. */
+typedef struct velum_plan {
+    uint32_t struct_size;
+    uint32_t flags;             /* 0 */
+    uint32_t active_layers;     /* bit per slot that can be seen */
+    uint32_t march_steps;       /* along a ray, at most */
+    uint32_t light_steps;       /* towards the sun */
+    uint32_t ray_rate;          /* one ray for so many pixels: 1, 4 or 16 */
+    uint32_t octaves;           /* of multiple scattering */
+    uint32_t blending;          /* 1: two weather states are mixed */
+    float step_m;               /* first step in cloud */
+    float step_growth;          /* relative growth with distance */
+    float distance_m;           /* rays end here at the latest */
+    float reserved;
+} velum_plan;
+
+typedef struct velum_engine_api {
+    uint32_t struct_size;
+    uint32_t reserved;
+
+    /* [control] Null is legal. VELUM_ERROR_STATE inside a frame, while eyes or shadow maps live, or while submissions
+     * are in flight (completed_serial of the newest begin_frame, or of complete(), below the newest submit_serial). */
+    velum_result(VELUM_CALL *destroy)(velum_engine *engine);
+
+    /* [render] Tells, outside frames, what the device has finished. */
+    velum_result(VELUM_CALL *complete)(velum_engine *engine, uint64_t completed_serial);
+
+    /* [control] Eyes, views and shadow maps. Destroy: null is legal; device objects live on until the device has
+     * passed them; VELUM_ERROR_STATE inside a frame, or for an eye with views. */
+    velum_result(VELUM_CALL *create_eye)(velum_engine *engine, const velum_eye_desc *desc, velum_eye **out);
+    velum_result(VELUM_CALL *destroy_eye)(velum_eye *eye);
+    velum_result(VELUM_CALL *create_view)(velum_eye *eye, const velum_view_desc *desc, velum_view **out);
+    velum_result(VELUM_CALL *destroy_view)(velum_view *view);
+    velum_result(VELUM_CALL *create_shadow)(velum_engine *engine, const velum_shadow_desc *desc, velum_shadow **out);
+    velum_result(VELUM_CALL *destroy_shadow)(velum_shadow *shadow);
+
+    /* [render] */
+    velum_result(VELUM_CALL *begin_frame)(velum_engine *engine, const velum_frame_info *frame);
+    velum_result(VELUM_CALL *end_frame)(velum_engine *engine);
+
+    /* [render] After record_shadow, also outside a frame: where the map lies. */
+    velum_result(VELUM_CALL *get_shadow_geometry)(velum_shadow *shadow, velum_shadow_geometry *out);
+
+    /* [render] The plan of the newest frame, and a text of its reasons, one a line (valid until the next frame). */
+    velum_result(VELUM_CALL *get_plan)(velum_eye *eye, velum_plan *out, const char **out_reasons);
+    /* [render] Outside a frame. Imposes a plan (fields in their ranges); null: Velum plans again. */
+    velum_result(VELUM_CALL *set_plan)(velum_eye *eye, const velum_plan *plan);
+
+    /* [render] VELUM_UNCHANGED while no frame of the view has finished. */
+    velum_result(VELUM_CALL *get_stats)(velum_view *view, velum_view_stats *out);
+
+    /* [render] Reserved: a depth-resolved volume of (L, T) along a view, for lights, particles and rotors in cloud.
+     * VELUM_ERROR_UNSUPPORTED. */
+    velum_result(VELUM_CALL *get_volume)(velum_view *view, void *reserved);
+} velum_engine_api;
+
+#define VELUM_ENGINE_API_ID "velum.engine/1"
+
+#ifdef __cplusplus
+}
+#endif
+#endif
