@@ -458,6 +458,11 @@ double core_cell_point_distance_m(const core_cell *cell, const double normal[3])
         double d = normal[i] - cell->normal[i];
         square += d * d;
     }
+    /* asin x = x + x^3 / 6 + 3 x^5 / 40 + 15 x^7 / 336..., within 1e-12 here. */
+    if (square < 1e-3) {
+        double x2 = 0.25 * square;
+        return CORE_RADIUS_M * sqrt(square) * (1.0 + x2 * (1.0 / 6.0 + x2 * (3.0 / 40.0 + x2 * (15.0 / 336.0))));
+    }
     return 2.0 * CORE_RADIUS_M * asin(fmin(0.5 * sqrt(square), 1.0));
 }
 

@@ -159,7 +159,8 @@ static void mixture_apply(core_blend *blend, const mixture *mix, bool sums, floa
 }
 
 static double smooth(double low, double high, double x) {
-    double t = fmin(fmax((x - low) / (high - low), 0.0), 1.0);
+    double t = (x - low) / (high - low);
+    t = t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0;
     return t * t * (3.0 - 2.0 * t);
 }
 
@@ -185,7 +186,7 @@ static void add_globals(const core_state *state, const double normal[3], double 
     double east[3];
     double north[3];
     /* East and north have no meaning at a pole: the wind fades out over the last degree. */
-    float fade = (float)smooth(0.0, 1.0, 90.0 - fabs(lat_deg));
+    float fade = (float)smooth(0.0, CORE_POLE_FADE_DEG, 90.0 - fabs(lat_deg));
     core_east_north(normal, east, north);
     for (uint32_t i = 0; i < state->first_station; i++) {
         const core_cell *cell = state->cells[i];
@@ -230,6 +231,7 @@ static void add_grid(const core_state *state, double lat_deg, double lon_deg, do
 
 static void add_stations(const core_state *state, const double normal[3], uint32_t bin, bool with_surface,
                          core_blend *blend) {
+    const float n[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
     uint32_t at = state->stations.start[bin];
     uint32_t end = state->stations.start[bin + 1];
     while (at < end) {
@@ -237,6 +239,13 @@ static void add_stations(const core_state *state, const double normal[3], uint32
         bool any = false;
         mixture mix;
         for (; at < end && state->cells[state->stations.items[at]]->priority == priority; at++) {
+            const core_station_point *point = &state->station_points[at];
+            float dx = point->normal[0] - n[0];
+            float dy = point->normal[1] - n[1];
+            float dz = point->normal[2] - n[2];
+            if (dx * dx + dy * dy + dz * dz > point->chord2) {
+                continue;
+            }
             const core_cell *cell = state->cells[state->stations.items[at]];
             float weight = station_weight(cell, normal);
             if (weight > 0.0f) {
@@ -253,25 +262,19 @@ static void add_stations(const core_state *state, const double normal[3], uint32
     }
 }
 
-static void add_regions(const core_state *state, const double normal[3], double lat_deg, double lon_deg, uint32_t bin,
-                        double texel_m, bool with_surface, core_blend *blend) {
-    for (uint32_t at = state->regions.start[bin]; at < state->regions.start[bin + 1]; at++) {
-        const core_cell *cell = state->cells[state->regions.items[at]];
-        float weight = region_weight(cell, normal, lat_deg, lon_deg, texel_m);
-        if (weight > 0.0f) {
-            mixture mix;
-            mixture_begin(&mix, with_surface);
-            mixture_add(&mix, &cell->fields, cell->slots, weight, with_surface);
-            mixture_apply(blend, &mix, false, 1.0f, with_surface);
-        }
+void core_blend_region(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg, double texel_m,
+                       bool with_surface, core_blend *blend) {
+    float weight = region_weight(cell, normal, lat_deg, lon_deg, texel_m);
+    if (weight > 0.0f) {
+        mixture mix;
+        mixture_begin(&mix, with_surface);
+        mixture_add(&mix, &cell->fields, cell->slots, weight, with_surface);
+        mixture_apply(blend, &mix, false, 1.0f, with_surface);
     }
 }
 
-void core_blend_at(const core_state *state, const double normal[3], double texel_m, bool with_surface,
-                   core_blend *out) {
-    double lat_deg = core_normal_lat_deg(normal);
-    double lon_deg = core_normal_lon_deg(normal);
-    uint32_t bin = core_index_bin(lat_deg, lon_deg);
+void core_blend_base_at(const core_state *state, const double normal[3], double lat_deg, double lon_deg, double texel_m,
+                        bool with_surface, core_blend *out) {
     out->mask = 0;
     if (with_surface) {
         memset(out->surface, 0, sizeof out->surface);
@@ -281,8 +284,18 @@ void core_blend_at(const core_state *state, const double normal[3], double texel
     if (state->grid) {
         add_grid(state, lat_deg, lon_deg, texel_m, with_surface, out);
     }
-    add_stations(state, normal, bin, with_surface, out);
-    add_regions(state, normal, lat_deg, lon_deg, bin, texel_m, with_surface, out);
+    add_stations(state, normal, core_index_bin(lat_deg, lon_deg), with_surface, out);
+}
+
+void core_blend_at(const core_state *state, const double normal[3], double texel_m, bool with_surface,
+                   core_blend *out) {
+    double lat_deg = core_normal_lat_deg(normal);
+    double lon_deg = core_normal_lon_deg(normal);
+    uint32_t bin = core_index_bin(lat_deg, lon_deg);
+    core_blend_base_at(state, normal, lat_deg, lon_deg, texel_m, with_surface, out);
+    for (uint32_t at = state->regions.start[bin]; at < state->regions.start[bin + 1]; at++) {
+        core_blend_region(state->cells[state->regions.items[at]], normal, lat_deg, lon_deg, texel_m, with_surface, out);
+    }
 }
 
 static void set_tangent(const double normal[3], const float wind[3], float scale, float out[3]) {

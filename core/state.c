@@ -2,6 +2,7 @@
 
 #include "geodesy.h"
 #include "state_private.h"
+#include "tile_detail.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -89,6 +90,24 @@ static bool index_build(core_index *index, core_cell *const *cells, uint32_t fir
                 index->items[index->start[bin + 1]++] = c;
             }
         }
+    }
+    return true;
+}
+
+static bool make_station_points(core_state *state) {
+    uint32_t count = state->stations.start[BIN_COUNT];
+    state->station_points = malloc((count + 1u) * sizeof *state->station_points);
+    if (!state->station_points) {
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const core_cell *cell = state->cells[state->stations.items[i]];
+        core_station_point *point = &state->station_points[i];
+        double chord = 2.0 * sin(0.5 * cell->radius_m / CORE_RADIUS_M);
+        for (int axis = 0; axis < 3; axis++) {
+            point->normal[axis] = (float)cell->normal[axis];
+        }
+        point->chord2 = (float)((chord + 1e-6) * (chord + 1e-6));
     }
     return true;
 }
@@ -212,7 +231,7 @@ static void summarise(core_state *state) {
     state->bytes = sizeof *state + state->cell_count * sizeof *state->cells +
                    2 * (BIN_COUNT + 2) * sizeof *state->stations.start +
                    (state->stations.start[BIN_COUNT] + state->regions.start[BIN_COUNT]) * sizeof(uint32_t);
-    state->first_station = state->first_region = state->cell_count;
+    double texel_m = state->first_station > 0 ? CORE_POLE_FADE_TEXEL_M : core_tile_texel_m(0);
     for (uint32_t i = 0; i < state->cell_count; i++) {
         const core_cell *cell = state->cells[i];
         state->slot_mask |= cell->fields.slot_mask;
@@ -220,6 +239,9 @@ static void summarise(core_state *state) {
         state->min_base_m = fminf(state->min_base_m, cell->min_base_m);
         state->max_top_m = fmaxf(state->max_top_m, cell->max_top_m);
         state->bytes += core_cell_bytes(cell);
+        if (cell->kind == VELUM_CELL_STATION && cell->fields.flags & VELUM_CELL_HAS_LAYERS) {
+            texel_m = fmin(texel_m, cell->radius_m / 8.0);
+        }
         for (uint32_t u = 0; u < 2; u++) {
             if (cell->fields.slot_mask & (1u << (VELUM_SLOT_UNIFORM + u))) {
                 note_uniform(state, u, &cell->uniform[u], known);
@@ -233,12 +255,15 @@ static void summarise(core_state *state) {
         state->min_base_m = fminf(state->min_base_m, grid->min_base_m);
         state->max_top_m = fmaxf(state->max_top_m, grid->max_top_m);
         state->bytes += core_grid_bytes(grid);
+        /* The border of a regional grid is sharp. */
+        texel_m = fmin(texel_m, core_grid_border_m(grid, 0.0, 0.0) > -1e8 ? 0.0 : core_grid_texel_m(grid, 90.0));
         for (uint32_t u = 0; u < 2; u++) {
             if (grid->has_uniform[u]) {
                 note_uniform(state, u, &grid->uniform[u], known);
             }
         }
     }
+    state->base_level = core_level_of_texel(texel_m);
 }
 
 velum_result core_state_create(const velum_state_desc *from, const core_state *base, uint64_t id, core_state **out,
@@ -312,15 +337,15 @@ velum_result core_state_create(const velum_state_desc *from, const core_state *b
     while (first_region < state->cell_count && state->cells[first_region]->kind == VELUM_CELL_STATION) {
         first_region++;
     }
-    if (!index_build(&state->stations, state->cells, first_station, first_region) ||
+    if (!index_build(&state->stations, state->cells, first_station, first_region) || !make_station_points(state) ||
         !index_build(&state->regions, state->cells, first_region, state->cell_count)) {
         result = core_fail(error, VELUM_ERROR_OUT_OF_MEMORY, "state of %u cells: no memory for its index",
                            state->cell_count);
         goto error;
     }
-    summarise(state);
     state->first_station = first_station;
     state->first_region = first_region;
+    summarise(state);
     free(fresh);
     *out = state;
     return VELUM_OK;
@@ -353,6 +378,7 @@ void core_state_unref(core_state *state) {
     free(state->cells);
     free(state->stations.start);
     free(state->stations.items);
+    free(state->station_points);
     free(state->regions.start);
     free(state->regions.items);
     core_grid_unref(state->grid);

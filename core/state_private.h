@@ -14,6 +14,12 @@ typedef struct core_index {
     uint32_t *items; /* in the order of the cells */
 } core_index;
 
+/* A station as the inner loop sees it: beyond the chord it has no effect. */
+typedef struct core_station_point {
+    float normal[3];
+    float chord2; /* rounded up */
+} core_station_point;
+
 struct core_state {
     atomic_uint references;
     uint64_t id;
@@ -23,6 +29,8 @@ struct core_state {
     uint32_t cell_count;
     uint32_t first_station, first_region;
     core_index stations, regions;
+    core_station_point *station_points; /* one an item of the stations' index */
+    uint32_t base_level;                /* texels of this level hold all but the regions, everywhere */
     uint32_t slot_mask;
     uint32_t merged;
     float min_base_m, max_top_m; /* MSL */
@@ -43,6 +51,14 @@ typedef struct core_blend {
     float surface[CORE_SURFACE_COUNT];
 } core_blend;
 void core_blend_at(const core_state *state, const double normal[3], double texel_m, bool with_surface, core_blend *out);
+/* The same in two steps: all but the regions, then one region after the other, in order. */
+void core_blend_base_at(const core_state *state, const double normal[3], double lat_deg, double lon_deg, double texel_m,
+                        bool with_surface, core_blend *out);
+void core_blend_region(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg, double texel_m,
+                       bool with_surface, core_blend *blend);
+
+/* Over the last degree before a pole the wind of global cells fades out. */
+#define CORE_POLE_FADE_DEG 1.0
 
 /* Half the width of a sharp edge's ramp, in texels. */
 #define CORE_EDGE_TEXELS 1.0

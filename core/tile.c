@@ -2,6 +2,7 @@
 
 #include "geodesy.h"
 #include "state_private.h"
+#include "tile_detail.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -89,46 +90,158 @@ static texel make_texel(const float *field, const double normal[3], float undula
     return out;
 }
 
+/* Below a state's base level all but its regions is smooth: it is evaluated on that level's texels and interpolated.
+ * The lattice belongs to state, face and level alone, so neighbours agree. */
+#define LATTICE_SIDE (WIDE / 2 + 2)
+
 typedef struct raster {
     uint32_t mask;
+    uint32_t region_count;
+    uint32_t *regions; /* that can reach the tile */
     uint8_t covered[VELUM_SLOT_COUNT][WIDE_COUNT];
     texel texels[VELUM_SLOT_COUNT][WIDE_COUNT];
+    core_blend lattice[LATTICE_SIDE * LATTICE_SIDE];
 } raster;
 
-static void rasterise(const core_state *state, uint32_t key, raster *out) {
-    uint32_t level = velum_tile_key_level(key);
-    uint32_t face = velum_tile_key_face(key);
-    double texel_m = core_tile_texel_m(level);
-    double scale = 1.0 / ((double)VELUM_TILE_TEXELS * (double)(1u << level));
-    double a[WIDE];
-    double b[WIDE];
-    for (int i = 0; i < WIDE; i++) {
-        /* Whole numbers of half texels over a power of two: the same for every tile that has the place. */
-        double u = (double)(2 * (int)(velum_tile_key_x(key) * VELUM_TILE_TEXELS) + 2 * (i - 1) - 1) * scale - 1.0;
-        double v = (double)(2 * (int)(velum_tile_key_y(key) * VELUM_TILE_TEXELS) + 2 * (i - 1) - 1) * scale - 1.0;
-        a[i] = tan(u * (CORE_PI / 4.0));
-        b[i] = tan(v * (CORE_PI / 4.0));
-    }
-    out->mask = 0;
-    memset(out->covered, 0, sizeof out->covered);
-    for (uint32_t at = 0; at < WIDE_COUNT; at++) {
-        core_blend blend;
-        double normal[3];
-        uint32_t i = at % WIDE;
-        uint32_t j = at / WIDE;
-        normal_of_tangents(face, a[i], b[j], normal);
-        core_blend_at(state, normal, texel_m, false, &blend);
-        for (uint32_t slot = 0; blend.mask >> slot; slot++) {
-            if (blend.mask & (1u << slot) && blend.slot[slot][CORE_FIELD_COVERAGE] > 1e-12f) {
-                texel made = make_texel(blend.slot[slot], normal, state->undulation_m);
-                out->covered[slot][at] = 1;
-                out->texels[slot][at] = made;
-                if (made.value[TEXEL_COVERAGE] > 0 && i > 0 && i < WIDE - 1 && j > 0 && j < WIDE - 1) {
-                    out->mask |= 1u << slot;
+/* Tangent of texel centre n, which may lie outside the face. Whole numbers over a power of two: the same for every tile
+ * that has the place. */
+static double texel_tangent(int32_t n, uint32_t level) {
+    double u = (double)(2 * n + 1) / ((double)VELUM_TILE_TEXELS * (double)(1u << level)) - 1.0;
+    return tan(u * (CORE_PI / 4.0));
+}
+
+/* Texel centre m of a level in the lattice of a coarser one: whole part and rest. */
+static int32_t lattice_place(int32_t m, uint32_t steps, float *rest) {
+    int32_t halves = (2 * m + 1) - (int32_t)(1u << steps);
+    int32_t spacing = (int32_t)(2u << steps);
+    int32_t whole = halves >= 0 ? halves / spacing : -((spacing - 1 - halves) / spacing);
+    *rest = (float)(halves - whole * spacing) / (float)spacing;
+    return whole;
+}
+
+static void mix_blends(const core_blend *const from[4], float tx, float ty, core_blend *out) {
+    const float weight[4] = {(1.0f - tx) * (1.0f - ty), tx * (1.0f - ty), (1.0f - tx) * ty, tx * ty};
+    out->mask = from[0]->mask | from[1]->mask | from[2]->mask | from[3]->mask;
+    for (uint32_t slot = 0; out->mask >> slot; slot++) {
+        if (!(out->mask & (1u << slot))) {
+            continue;
+        }
+        memset(out->slot[slot], 0, sizeof out->slot[slot]);
+        for (uint32_t k = 0; k < 4; k++) {
+            if (from[k]->mask & (1u << slot)) {
+                for (uint32_t f = 0; f < CORE_FIELD_COUNT; f++) {
+                    out->slot[slot][f] += from[k]->slot[slot][f] * weight[k];
                 }
             }
         }
     }
+}
+
+static bool find_regions(const core_state *state, const core_tile_cap *cap, raster *out) {
+    uint32_t room = state->cell_count - state->first_region;
+    out->region_count = 0;
+    out->regions = malloc((room + 1u) * sizeof *out->regions);
+    if (!out->regions) {
+        return false;
+    }
+    for (uint32_t c = state->first_region; c < state->cell_count; c++) {
+        if (core_cell_touches(state->cells[c], cap)) {
+            out->regions[out->region_count++] = c;
+        }
+    }
+    return true;
+}
+
+static void take_texel(raster *out, uint32_t at, const core_blend *blend, const double normal[3], float undulation_m) {
+    uint32_t i = at % WIDE;
+    uint32_t j = at / WIDE;
+    for (uint32_t slot = 0; blend->mask >> slot; slot++) {
+        if (blend->mask & (1u << slot) && blend->slot[slot][CORE_FIELD_COVERAGE] > 1e-12f) {
+            texel made = make_texel(blend->slot[slot], normal, undulation_m);
+            out->covered[slot][at] = 1;
+            out->texels[slot][at] = made;
+            if (made.value[TEXEL_COVERAGE] > 0 && i > 0 && i < WIDE - 1 && j > 0 && j < WIDE - 1) {
+                out->mask |= 1u << slot;
+            }
+        }
+    }
+}
+
+/* The base over the tile: steps levels coarser, `width` lattice points a row from (x, y). */
+typedef struct lattice {
+    uint32_t steps;
+    int32_t x, y, width, height;
+} lattice;
+
+static lattice make_lattice(const core_state *state, uint32_t face, uint32_t level, int32_t first_x, int32_t first_y,
+                            raster *out) {
+    lattice made = {.steps = level > state->base_level ? level - state->base_level : 0};
+    float rest;
+    if (made.steps == 0) {
+        return made;
+    }
+    made.x = lattice_place(first_x, made.steps, &rest);
+    made.y = lattice_place(first_y, made.steps, &rest);
+    made.width = lattice_place(first_x + WIDE - 1, made.steps, &rest) - made.x + 2;
+    made.height = lattice_place(first_y + WIDE - 1, made.steps, &rest) - made.y + 2;
+    for (int32_t at = 0; at < made.width * made.height; at++) {
+        double normal[3];
+        normal_of_tangents(face, texel_tangent(made.x + at % made.width, state->base_level),
+                           texel_tangent(made.y + at / made.width, state->base_level), normal);
+        core_blend_base_at(state, normal, core_normal_lat_deg(normal), core_normal_lon_deg(normal),
+                           core_tile_texel_m(state->base_level), false, &out->lattice[at]);
+    }
+    return made;
+}
+
+static bool rasterise(const core_state *state, uint32_t key, raster *out) {
+    uint32_t level = velum_tile_key_level(key);
+    uint32_t face = velum_tile_key_face(key);
+    int32_t first_x = (int32_t)(velum_tile_key_x(key) * VELUM_TILE_TEXELS) - 2;
+    int32_t first_y = (int32_t)(velum_tile_key_y(key) * VELUM_TILE_TEXELS) - 2;
+    double texel_m = core_tile_texel_m(level);
+    double a[WIDE];
+    double b[WIDE];
+    core_tile_cap cap = core_tile_cap_of(key);
+    cap.radius_m += 3.0 * texel_m;
+    if (!find_regions(state, &cap, out)) {
+        return false;
+    }
+    for (int32_t i = 0; i < WIDE; i++) {
+        a[i] = texel_tangent(first_x + i, level);
+        b[i] = texel_tangent(first_y + i, level);
+    }
+    lattice base = make_lattice(state, face, level, first_x, first_y, out);
+    out->mask = 0;
+    memset(out->covered, 0, sizeof out->covered);
+    for (int32_t at = 0; at < WIDE_COUNT; at++) {
+        core_blend blend;
+        double normal[3];
+        double lat_deg = 0.0;
+        double lon_deg = 0.0;
+        normal_of_tangents(face, a[at % WIDE], b[at / WIDE], normal);
+        if (base.steps == 0 || out->region_count > 0) {
+            lat_deg = core_normal_lat_deg(normal);
+            lon_deg = core_normal_lon_deg(normal);
+        }
+        if (base.steps == 0) {
+            core_blend_base_at(state, normal, lat_deg, lon_deg, texel_m, false, &blend);
+        } else {
+            float tx;
+            float ty;
+            int32_t x = lattice_place(first_x + at % WIDE, base.steps, &tx) - base.x;
+            int32_t y = lattice_place(first_y + at / WIDE, base.steps, &ty) - base.y;
+            const core_blend *from = &out->lattice[y * base.width + x];
+            mix_blends((const core_blend *[4]){from, from + 1, from + base.width, from + base.width + 1}, tx, ty,
+                       &blend);
+        }
+        for (uint32_t r = 0; r < out->region_count; r++) {
+            core_blend_region(state->cells[out->regions[r]], normal, lat_deg, lon_deg, texel_m, false, &blend);
+        }
+        take_texel(out, (uint32_t)at, &blend, normal, state->undulation_m);
+    }
+    free(out->regions);
+    return true;
 }
 
 /* Texels without cloud take the other fields from their covered neighbours, so that interpolation towards them changes
@@ -215,7 +328,10 @@ core_tile *core_tile_create(const core_state *state, uint32_t key) {
     if (!made) {
         return NULL;
     }
-    rasterise(state, key, made);
+    if (!rasterise(state, key, made)) {
+        free(made);
+        return NULL;
+    }
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         count += made->mask >> slot & 1u;
     }

@@ -25,7 +25,7 @@ core_tile_cap core_tile_cap_of(uint32_t key) {
     return cap;
 }
 
-static uint32_t level_of_texel(double texel_m) {
+uint32_t core_level_of_texel(double texel_m) {
     double level = ceil(log2(core_tile_texel_m(0) / fmax(texel_m, 1.0)));
     return (uint32_t)fmin(fmax(level, 0.0), (double)VELUM_TILE_LEVEL_MAX);
 }
@@ -42,6 +42,10 @@ static double cap_distance_m(const core_cell *cell, const core_tile_cap *cap) {
 bool core_cell_matters(const core_cell *cell, const core_tile_cap *cap) {
     return cell->fields.flags & VELUM_CELL_HAS_LAYERS &&
            cap_distance_m(cell, cap) <= CLEAR_TEXELS * core_tile_texel_m(CORE_TILE_DATA_LEVEL_MIN);
+}
+
+bool core_cell_touches(const core_cell *cell, const core_tile_cap *cap) {
+    return cell->fields.flags & VELUM_CELL_HAS_LAYERS && cap_distance_m(cell, cap) <= 0.0;
 }
 
 /* The texel that a station or region asks for over the cap. */
@@ -70,13 +74,18 @@ uint32_t core_detail_level(const core_state *state, const uint32_t *cells, uint3
         double highest_deg = fmin(fabs(lat_deg) + cap->radius_m / (CORE_RADIUS_M * CORE_DEG), 90.0);
         double gap_m = (fabs(core_grid_border_m(state->grid, lat_deg, lon_deg)) * 0.99 - cap->radius_m) / CLEAR_TEXELS;
         double texel_m = fmin(core_grid_texel_m(state->grid, highest_deg), gap_m);
-        uint32_t wanted = level_of_texel(texel_m);
+        uint32_t wanted = core_level_of_texel(texel_m);
+        level = level > wanted ? level : wanted;
+    }
+    if (state->first_station > 0) {
+        double gap_m = (90.0 - CORE_POLE_FADE_DEG - fabs(lat_deg)) * CORE_DEG * CORE_RADIUS_M - cap->radius_m;
+        uint32_t wanted = core_level_of_texel(fmax(CORE_POLE_FADE_TEXEL_M, gap_m / CLEAR_TEXELS));
         level = level > wanted ? level : wanted;
     }
     for (uint32_t i = 0; i < count && level < most; i++) {
         const core_cell *cell = state->cells[cells[i]];
         if (core_cell_matters(cell, cap)) {
-            uint32_t wanted = level_of_texel(cell_texel_m(cell, cap, lat_deg, lon_deg));
+            uint32_t wanted = core_level_of_texel(cell_texel_m(cell, cap, lat_deg, lon_deg));
             level = level > wanted ? level : wanted;
         }
     }
