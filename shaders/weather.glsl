@@ -20,10 +20,6 @@ struct tile_place {
     bool missing;
 };
 
-const vec3 noise_a = vec3(VELUM_NOISE_AX, VELUM_NOISE_AY, VELUM_NOISE_AZ);
-const vec3 noise_b = vec3(VELUM_NOISE_BX, VELUM_NOISE_BY, VELUM_NOISE_BZ);
-const vec3 noise_c = vec3(VELUM_NOISE_CX, VELUM_NOISE_CY, VELUM_NOISE_CZ);
-
 tile_place tile_find(vec3 normal, float distance_m) {
     velum_face_place face = velum_face_of(normal.x, normal.y, normal.z);
     tile_place place = tile_place(VELUM_TILE_KEY_NONE, 0u, vec2(0.0), false);
@@ -63,15 +59,7 @@ velum_slot_fields page_fields(uint page, vec2 uv) {
     }
     vec4 a = textureLod(tiles_a, vec3(uv, float(page)), 0.0);
     vec4 b = textureLod(tiles_b, vec3(uv, float(page)), 0.0);
-    f.coverage = a.x;
-    f.base_m = velum_texel_height_m(a.y);
-    f.top_m = velum_texel_height_m(a.z);
-    f.extinction_1_m = velum_texel_extinction_1_m(a.w);
-    f.wind_x_m_s = velum_texel_wind_m_s(b.x);
-    f.wind_y_m_s = velum_texel_wind_m_s(b.y);
-    f.wind_z_m_s = velum_texel_wind_m_s(b.z);
-    f.kind = b.w;
-    return f;
+    return velum_fields_of_texels(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
 }
 
 velum_slot_fields slot_fields(tile_place place, int slot) {
@@ -84,8 +72,8 @@ velum_slot_fields slot_fields(tile_place place, int slot) {
 }
 
 vec3 noise_place(vec3 r, vec4 phase, float stretch) {
-    vec3 c = vec3(dot(noise_a, r), dot(noise_b, r), dot(noise_c, r) * stretch) * phase.w;
-    return phase.xyz + c;
+    velum_noise_point p = velum_noise_place(phase.x, phase.y, phase.z, phase.w, stretch, r.x, r.y, r.z);
+    return vec3(p.x, p.y, p.z);
 }
 
 /* Rank of the column over the foot of r, at height over the ellipsoid, along normal. */
@@ -108,7 +96,7 @@ float lump_noise(int slot, velum_slot_fields f, vec3 r) {
     float n = velum_detail_at(p.x, p.y, p.z);
     if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
         p = noise_place(r - wind * eye.weather.w, eye.slots[slot].lump_1, 1.0);
-        n = mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
+        n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
     return 2.0 * n - 1.0;
 }
@@ -119,7 +107,7 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
     float n = velum_detail_at(p.x, p.y, p.z);
     if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
         p = noise_place(r - wind * eye.weather.w, eye.slots[slot].fine_1, 1.0);
-        n = mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
+        n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
     return n;
 }
