@@ -4,8 +4,10 @@
 
 #include <eccodes.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 enum {
     PACKING_SIMPLE = 0,
@@ -102,19 +104,45 @@ static velum_result check_groups(const grib_field *field, const char *name, pack
     return VELUM_OK;
 }
 
-/* All chunks up to IEND lie inside: ecCodes ends the process when a read goes beyond. */
-static int png_is_whole(const unsigned char *data, size_t size) {
-    for (size_t at = 8; size - at >= 12;) {
+/* All chunks up to IEND lie inside, with their checksums, and unpack to rows * row_bytes: ecCodes ends the process when
+ * a read goes beyond, and libpng writes to stderr. */
+static int png_is_whole(const unsigned char *data, size_t size, uint64_t expected) {
+    unsigned char sink[4096];
+    uint64_t unpacked = 0;
+    int status = Z_OK, is_ended = 0;
+    z_stream stream = {0};
+    if (inflateInit(&stream) != Z_OK) {
+        return 0;
+    }
+    for (size_t at = 8; !is_ended && size - at >= 12;) {
         const uint32_t length = grib_u32(data + at);
-        if (length > size - at - 12) {
-            return 0;
+        const unsigned char *type = data + at + 4;
+        if (length > size - at - 12 || crc32(crc32(0, NULL, 0), type, length + 4) != grib_u32(type + 4 + length)) {
+            break;
         }
-        if (memcmp(data + at + 4, "IEND", 4) == 0) {
-            return 1;
+        is_ended = memcmp(type, "IEND", 4) == 0;
+        if (memcmp(type, "IDAT", 4) == 0) {
+            stream.next_in = (unsigned char *)(uintptr_t)(type + 4);
+            stream.avail_in = length;
+            while (status == Z_OK && stream.avail_in && unpacked <= expected) {
+                stream.next_out = sink;
+                stream.avail_out = sizeof(sink);
+                status = inflate(&stream, Z_NO_FLUSH);
+                unpacked += sizeof(sink) - stream.avail_out;
+            }
+        } else if (!is_ended && at > 8 && (type[0] & 0x20) == 0) {
+            break; /* a palette or an unknown critical chunk */
         }
         at += 12 + (size_t)length;
     }
-    return 0;
+    while (status == Z_OK && is_ended && unpacked <= expected) {
+        stream.next_out = sink;
+        stream.avail_out = sizeof(sink);
+        status = inflate(&stream, Z_NO_FLUSH);
+        unpacked += sizeof(sink) - stream.avail_out;
+    }
+    inflateEnd(&stream);
+    return is_ended && status == Z_STREAM_END && unpacked == expected;
 }
 
 /* The picture inside must have as many points as there are packed values, of the stated depth. */
@@ -126,13 +154,18 @@ static velum_result check_picture(const grib_field *field, const char *name, con
     int fits = 0;
     if (in->template_number == PACKING_PNG) {
         static const unsigned char magic[16] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
-        if (size < 45 || memcmp(data, magic, sizeof(magic)) != 0 || !png_is_whole(data, size)) {
-            return fail(field, name, error, "data section: expected a whole PNG picture");
+        if (size < 45 || memcmp(data, magic, sizeof(magic)) != 0) {
+            return fail(field, name, error, "data section: expected a PNG picture");
         }
         const uint32_t depth = data[24], colour = data[25];
         const uint32_t channels = colour == 0 ? 1 : colour == 2 ? 3 : colour == 6 ? 4 : 0;
-        points = (uint64_t)grib_u32(data + 16) * grib_u32(data + 20);
-        fits = depth * channels == in->bits || (colour == 0 && depth >= in->bits && depth - in->bits < 8);
+        const uint64_t columns = grib_u32(data + 16), rows = grib_u32(data + 20);
+        points = columns * rows;
+        if (points != in->count || !png_is_whole(data, size, rows * (1 + (columns * depth * channels + 7) / 8))) {
+            return fail(field, name, error, "data section: the PNG picture is damaged or not of the field's size");
+        }
+        fits = data[28] == 0 &&
+               (depth * channels == in->bits || (colour == 0 && depth >= in->bits && depth - in->bits < 8));
     } else {
         if (size < 47 || memcmp(data, "\xff\x4f\xff\x51", 4) != 0) {
             return fail(field, name, error, "data section: expected a JPEG 2000 code stream");
@@ -281,6 +314,28 @@ static unsigned char *compose(const grib_field *field, uint32_t count, size_t *s
     return message;
 }
 
+/* ecCodes passes OpenJPEG's complaints to its one logger, by default stderr. There is no way to ask for the logger in
+ * use, so a host with one of its own has to set it again after reading a file with JPEG 2000 fields. */
+static pthread_mutex_t logger_lock = PTHREAD_MUTEX_INITIALIZER;
+
+static void log_nothing(const codes_context *context, int level, const char *message) {
+    (void)context;
+    (void)level;
+    (void)message;
+}
+
+static int decode_values(codes_handle *handle, int quietly, double *values, size_t *count) {
+    if (!quietly) {
+        return codes_get_double_array(handle, "values", values, count);
+    }
+    pthread_mutex_lock(&logger_lock);
+    codes_context_set_logging_proc(codes_context_get_default(), log_nothing);
+    const int status = codes_get_double_array(handle, "values", values, count);
+    codes_context_set_logging_proc(codes_context_get_default(), NULL);
+    pthread_mutex_unlock(&logger_lock);
+    return status;
+}
+
 static velum_result unpack(const grib_field *field, const char *name, uint32_t count, double *values,
                            velum_weather_error *error) {
     velum_result result = VELUM_OK;
@@ -303,7 +358,9 @@ static velum_result unpack(const grib_field *field, const char *name, uint32_t c
                                       got, count);
         goto done;
     }
-    status = status ? status : codes_get_double_array(handle, "values", values, &got);
+    const uint32_t template_number = grib_u16(field->packing.bytes + 9);
+    const int quietly = template_number == PACKING_JPEG2000 || template_number == PACKING_CCSDS;
+    status = status ? status : decode_values(handle, quietly, values, &got);
     if (status || got != count) {
         result = weather_fail_message(error, VELUM_ERROR_ARGUMENT, name, field->number,
                                       "ecCodes cannot decode the values: %s", codes_get_error_message(status));
