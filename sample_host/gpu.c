@@ -99,7 +99,7 @@ void gpu_image_destroy(struct device *device, struct gpu_image *image) {
     }
 }
 
-bool gpu_pipeline_create(struct device *device, const uint32_t *spirv, size_t spirv_size,
+bool gpu_pipeline_create(struct device *device, const uint32_t *spirv, size_t spirv_size, const uint32_t *constant,
                          VkDescriptorSetLayout set_layout, struct gpu_pipeline *out) {
     *out = (struct gpu_pipeline){.set_layout = set_layout};
     const VkPipelineLayoutCreateInfo layout = {
@@ -114,11 +114,15 @@ bool gpu_pipeline_create(struct device *device, const uint32_t *spirv, size_t sp
     if (!device_ok(vkCreateShaderModule(device->handle, &module_info, NULL, &module), "vkCreateShaderModule")) {
         return false;
     }
+    const VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof *constant};
+    const VkSpecializationInfo specialisation = {
+        .mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof *constant, .pData = constant};
     const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                               .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                         .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                                                         .module = module,
-                                                        .pName = "main"},
+                                                        .pName = "main",
+                                                        .pSpecializationInfo = constant ? &specialisation : NULL},
                                               .layout = out->layout};
     VkResult result = vkCreateComputePipelines(device->handle, VK_NULL_HANDLE, 1, &info, NULL, &out->handle);
     vkDestroyShaderModule(device->handle, module, NULL);

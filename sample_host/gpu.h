@@ -35,8 +35,8 @@ void gpu_buffer_destroy(struct device *device, struct gpu_buffer *buffer);
 bool gpu_image_create(struct device *device, uint32_t width, uint32_t height, VkFormat format, struct gpu_image *out);
 void gpu_image_destroy(struct device *device, struct gpu_image *image);
 
-/* A compute pipeline over a set layout, which stays the caller's. */
-bool gpu_pipeline_create(struct device *device, const uint32_t *spirv, size_t spirv_size,
+/* A compute pipeline over a set layout, which stays the caller's. constant: null, or specialisation constant 0. */
+bool gpu_pipeline_create(struct device *device, const uint32_t *spirv, size_t spirv_size, const uint32_t *constant,
                          VkDescriptorSetLayout set_layout, struct gpu_pipeline *out);
 void gpu_pipeline_destroy(struct device *device, struct gpu_pipeline *pipeline);
 

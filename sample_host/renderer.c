@@ -134,6 +134,19 @@ static velum_result begin_frame(struct renderer *renderer, const struct frame_re
     return result;
 }
 
+/* A frame that only settles is seen by nobody. */
+static bool composed(const struct frame_request *request) {
+    return request->read_back || request->lines;
+}
+
+/* Fields where the ground is of their colour; water and snow are almost even. */
+static float pattern_strength(const float albedo[3]) {
+    float least = fminf(albedo[0], albedo[1]);
+    float ratio = least / fmaxf(albedo[2], 1e-3f);
+    float green = fminf(fmaxf((ratio - 1) / 0.2f, 0), 1);
+    return fmaxf(green, 0.12f);
+}
+
 static void fill_arguments(struct renderer *renderer, struct renderer_channel *channel, uint32_t slot,
                            const struct frame_request *request, const struct lighting *lighting) {
     const velum_scenario *scenario = renderer->scene->scenario;
@@ -148,8 +161,7 @@ static void fill_arguments(struct renderer *renderer, struct renderer_channel *c
         arguments.albedo[i] = scenario->ground_albedo[i];
     }
     arguments.sun[3] = 1;
-    /* A measurement wants the albedo that it asked for. */
-    arguments.albedo[3] = scenario->atmosphere_none ? 0.0f : 1.0f;
+    arguments.albedo[3] = scenario->atmosphere_none ? 0 : pattern_strength(scenario->ground_albedo);
     arguments.region_cell[3] = request->exposure;
     arguments.wood_cell[3] = 1 / channel->frame.luminance_scale;
     if (request->lines) {
@@ -254,7 +266,7 @@ VkCommandBuffer renderer_record(struct renderer *renderer, const struct frame_re
     gpu_barrier(commands, compute_stage | transfer_stage, VK_ACCESS_2_SHADER_WRITE_BIT, compute_stage, compute_access);
     for (uint32_t i = 0; i < renderer->channel_count; i++) {
         fill_arguments(renderer, &renderer->channels[i], s, request, &lighting);
-        dispatch(&renderer->ground, commands, &renderer->channels[i], s);
+        dispatch(composed(request) ? &renderer->ground : &renderer->ground_depth, commands, &renderer->channels[i], s);
     }
     gpu_barrier(commands, compute_stage, VK_ACCESS_2_SHADER_WRITE_BIT, compute_stage, compute_access);
     for (uint32_t i = 0; i < renderer->channel_count; i++) {
@@ -272,7 +284,7 @@ VkCommandBuffer renderer_record(struct renderer *renderer, const struct frame_re
         return VK_NULL_HANDLE;
     }
     gpu_barrier(commands, compute_stage, VK_ACCESS_2_SHADER_WRITE_BIT, compute_stage, compute_access);
-    for (uint32_t i = 0; i < renderer->channel_count; i++) {
+    for (uint32_t i = 0; composed(request) && i < renderer->channel_count; i++) {
         dispatch(&renderer->compose, commands, &renderer->channels[i], s);
     }
     gpu_barrier(commands, compute_stage, VK_ACCESS_2_SHADER_WRITE_BIT, compute_stage | transfer_stage,

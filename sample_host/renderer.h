@@ -45,7 +45,7 @@ struct renderer {
     VkDescriptorPool descriptors;
     VkDescriptorSetLayout set_layout;
     VkSampler sampler;
-    struct gpu_pipeline ground, compose;
+    struct gpu_pipeline ground, ground_depth, compose;
     struct eye_pose pose; /* of the newest frame */
     bool full_precision;
     bool incomplete; /* the newest frame lacked tiles */
@@ -75,8 +75,8 @@ void renderer_finish(struct renderer *renderer);
 /* 1 / luminance that suits a time at the scene's pose. */
 bool renderer_exposure(struct renderer *renderer, double time_s, float *out);
 
-/* Records everything; the command buffer (returned) stays open for the caller's own. Null: failed (reported). The
- * pictures are in VK_IMAGE_LAYOUT_GENERAL, visible to transfers and to compute shaders. */
+/* Records everything; the command buffer (returned) stays open for the caller's own. Null: failed (reported). With
+ * `lines` or `read_back` the pictures are in VK_IMAGE_LAYOUT_GENERAL, visible to transfers and to compute shaders. */
 VkCommandBuffer renderer_record(struct renderer *renderer, const struct frame_request *request);
 
 /* Ends the command buffer and submits it. Semaphores of the caller's; counts may be 0. */

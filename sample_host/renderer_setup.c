@@ -165,6 +165,7 @@ static bool create_layout(struct renderer *renderer) {
         [HOST_BINDING_OVERLAY] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
     };
     enum { COUNT = sizeof types / sizeof types[0] };
+    const uint32_t depth_only = VK_FALSE;
     VkDevice device = renderer->device->handle;
     uint32_t sets = renderer->channel_count * renderer->slot_count;
     VkDescriptorSetLayoutBinding bindings[COUNT];
@@ -190,9 +191,11 @@ static bool create_layout(struct renderer *renderer) {
                      "vkCreateDescriptorSetLayout") &&
            device_ok(vkCreateDescriptorPool(device, &pool, NULL, &renderer->descriptors), "vkCreateDescriptorPool") &&
            device_ok(vkCreateSampler(device, &sampler, NULL, &renderer->sampler), "vkCreateSampler") &&
-           gpu_pipeline_create(renderer->device, ground_spirv, sizeof ground_spirv, renderer->set_layout,
+           gpu_pipeline_create(renderer->device, ground_spirv, sizeof ground_spirv, NULL, renderer->set_layout,
                                &renderer->ground) &&
-           gpu_pipeline_create(renderer->device, compose_spirv, sizeof compose_spirv, renderer->set_layout,
+           gpu_pipeline_create(renderer->device, ground_spirv, sizeof ground_spirv, &depth_only, renderer->set_layout,
+                               &renderer->ground_depth) &&
+           gpu_pipeline_create(renderer->device, compose_spirv, sizeof compose_spirv, NULL, renderer->set_layout,
                                &renderer->compose);
 }
 
@@ -323,6 +326,7 @@ void renderer_finish(struct renderer *renderer) {
     }
     free(renderer->channels);
     gpu_pipeline_destroy(renderer->device, &renderer->ground);
+    gpu_pipeline_destroy(renderer->device, &renderer->ground_depth);
     gpu_pipeline_destroy(renderer->device, &renderer->compose);
     if (device) {
         for (uint32_t s = 0; s < RENDERER_SLOTS_MAX; s++) {

@@ -50,7 +50,7 @@ static bool reader_init(struct reader *reader, struct renderer *renderer) {
         !device_ok(vkCreateDescriptorSetLayout(device->handle, &layout, NULL, &reader->set_layout),
                    "vkCreateDescriptorSetLayout") ||
         !device_ok(vkCreateDescriptorPool(device->handle, &pool, NULL, &reader->pool), "vkCreateDescriptorPool") ||
-        !gpu_pipeline_create(device, shadow_read_spirv, sizeof shadow_read_spirv, reader->set_layout,
+        !gpu_pipeline_create(device, shadow_read_spirv, sizeof shadow_read_spirv, NULL, reader->set_layout,
                              &reader->pipeline)) {
         return false;
     }

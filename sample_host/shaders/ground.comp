@@ -15,6 +15,8 @@ layout(set = 0, binding = HOST_BINDING_VIEW, std140) uniform View {
 layout(set = 0, binding = HOST_BINDING_COLOUR, rgba32f) uniform writeonly image2D colour_image;
 layout(set = 0, binding = HOST_BINDING_DEPTH, r32f) uniform writeonly image2D depth_image;
 
+layout(constant_id = 0) const bool colour_wanted = true; // not only depth
+
 const float PI = 3.14159265;
 
 // Jarzynski and Olano 2020, "Hash functions for GPU rendering": pcg3d.
@@ -56,11 +58,12 @@ float noise(ivec3 cell, vec3 part) {
     return mix(z[0], z[1], s.z);
 }
 
-// The nearest of the scattered points, its hash; `edge`: how much further the second is, in cells.
-vec3 nearest(ivec3 cell, vec3 part, out float edge) {
+// The nearest of the scattered points: its hash, and the way to it in cells. `edge`: how much further the second is.
+vec3 nearest(ivec3 cell, vec3 part, out vec3 way, out float edge) {
     ivec3 low = ivec3(floor(part - 0.5));
     float first = 1e9, second = 1e9;
     vec3 found = vec3(0.5);
+    way = vec3(0.0);
     for (int i = 0; i < 8; i++) {
         ivec3 step = low + ivec3(i & 1, (i >> 1) & 1, i >> 2);
         vec3 random = hash_unit(cell + step);
@@ -70,6 +73,7 @@ vec3 nearest(ivec3 cell, vec3 part, out float edge) {
             second = first;
             first = square;
             found = random.zxy;
+            way = delta;
         } else {
             second = min(second, square);
         }
@@ -85,8 +89,8 @@ float shown(float footprint_m, float size_m) {
 
 // Relative to the mean albedo; each pattern's own mean is 1, so that distance only takes detail away.
 vec3 pattern(vec3 position, float footprint_m) {
-    const vec3 crops[4] = vec3[4](vec3(1.34, 1.12, 1.02), vec3(0.82, 1.06, 0.86), vec3(0.70, 0.90, 0.86),
-                                  vec3(1.14, 0.92, 1.26));
+    const vec3 crops[4] = vec3[4](vec3(1.20, 1.08, 1.04), vec3(0.90, 1.03, 0.92), vec3(0.82, 0.93, 0.90),
+                                  vec3(1.08, 0.96, 1.14));
     ivec3 cell;
     vec3 part;
     vec3 tint = vec3(1.0);
@@ -95,30 +99,34 @@ vec3 pattern(vec3 position, float footprint_m) {
         return tint;
     }
     lattice(position, HOST_PATTERN_REGION_M, view.region_cell.xyz, view.region_part.xyz, cell, part);
-    tint *= 1.0 + region * 0.35 * (noise(cell, part) - 0.5) * vec3(1.0, 0.7, 0.9);
+    tint *= 1.0 + region * 0.4 * (noise(cell, part) - 0.5) * vec3(1.0, 0.7, 0.9);
 
     float wood = shown(footprint_m, HOST_PATTERN_WOOD_M);
-    float bare = 1.0;
-    if (wood > 0.0) {
-        lattice(position, HOST_PATTERN_WOOD_M, view.wood_cell.xyz, view.wood_part.xyz, cell, part);
-        float trees = smoothstep(0.55, 0.63, noise(cell, part));
-        tint *= 1.0 + wood * (trees * vec3(-0.50, -0.38, -0.46) + vec3(0.17, 0.13, 0.155));
-        bare = 1.0 - trees;
+    if (wood <= 0.0) {
+        return tint;
     }
-    float field = shown(footprint_m, HOST_PATTERN_FIELD_M) * bare;
-    if (field > 0.0) {
-        float edge;
+    float field = shown(footprint_m, HOST_PATTERN_FIELD_M);
+    float edge = 1.0;
+    vec3 random = vec3(0.5), way = vec3(0.0);
+    for (int once = 0; once < (field > 0.0 ? 1 : 0); once++) {
         lattice(position, HOST_PATTERN_FIELD_M, view.field_cell.xyz, view.field_part.xyz, cell, part);
-        vec3 random = nearest(cell, part, edge);
+        random = nearest(cell, part, way, edge);
+    }
+    // Woods end where fields do.
+    vec3 place = position + way * HOST_PATTERN_FIELD_M;
+    lattice(place, HOST_PATTERN_WOOD_M, view.wood_cell.xyz, view.wood_part.xyz, cell, part);
+    float trees = smoothstep(0.55, 0.63, noise(cell, part) + 0.12 * (random.z - 0.5));
+    tint *= 1.0 + wood * (trees * vec3(-0.44, -0.34, -0.42) + vec3(0.15, 0.115, 0.143));
+    if (field > 0.0) {
         vec3 crop = crops[int(random.x * 3.999)] * (0.9 + 0.2 * random.y);
-        float width = max(footprint_m / HOST_PATTERN_FIELD_M, 0.015);
-        float hedge = (1.0 - smoothstep(0.5 * width, 1.5 * width, edge)) * min(1.0, 0.03 / width);
-        tint *= mix(vec3(1.0), crop * (1.0 - 0.4 * hedge), field);
+        float width = max(footprint_m / HOST_PATTERN_FIELD_M, 0.012);
+        float hedge = (1.0 - smoothstep(0.5 * width, 1.5 * width, edge)) * min(1.0, 0.02 / width);
+        tint *= mix(vec3(1.0), crop * (1.0 - 0.35 * hedge), field * (1.0 - 0.9 * trees));
     }
     float tuft = shown(footprint_m, HOST_PATTERN_TUFT_M);
-    if (tuft > 0.0) {
+    for (int once = 0; once < (tuft > 0.0 ? 1 : 0); once++) {
         lattice(position, HOST_PATTERN_TUFT_M, view.tuft_cell.xyz, view.tuft_part.xyz, cell, part);
-        tint *= 1.0 + tuft * 0.22 * (noise(cell, part) - 0.5);
+        tint *= 1.0 + tuft * (0.2 + 0.35 * trees) * (noise(cell, part) - 0.5);
     }
     return tint;
 }
@@ -143,6 +151,13 @@ void main() {
     vec3 luminance = vec3(0.0);
     if (b < 0.0 && discriminant > 0.0) {
         depth = c / (sqrt(discriminant) - b);
+    }
+    imageStore(depth_image, pixel, vec4(depth));
+    if (!colour_wanted) {
+        return;
+    }
+    // A loop, because software devices leave a loop without active pixels but run through an if.
+    for (int once = 0; once < (depth > 0.0 ? 1 : 0); once++) {
         vec3 position = depth * direction;
         vec3 normal = normalize(view.gradient.xyz + stretched * (depth * view.surface.y));
         float facing = max(-dot(direction, normal), 0.002);
@@ -158,6 +173,5 @@ void main() {
         }
         luminance = min(albedo, vec3(1.0)) * light / PI;
     }
-    imageStore(depth_image, pixel, vec4(depth));
     imageStore(colour_image, pixel, vec4(luminance, 1.0));
 }

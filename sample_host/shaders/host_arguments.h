@@ -10,8 +10,8 @@
 
 /* Sizes of the ground's patterns, m: regions, woods, fields, tufts. */
 #define HOST_PATTERN_REGION_M 6000.0f
-#define HOST_PATTERN_WOOD_M 1400.0f
-#define HOST_PATTERN_FIELD_M 420.0f
+#define HOST_PATTERN_WOOD_M 1700.0f
+#define HOST_PATTERN_FIELD_M 330.0f
 #define HOST_PATTERN_TUFT_M 45.0f
 
 /* One view in one frame. With e the eye in ECEF, D = diag(1, 1, (a/b)^2) and a ray e + t d of the unit direction d, the
