@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { INDICATOR_BYTES = 16, END_BYTES = 4, SECTION_HEAD_BYTES = 5 };
+enum { INDICATOR_BYTES = 16, END_BYTES = 4, SECTION_HEAD_BYTES = 5, MAX_HEADING_BYTES = 128 };
 
 uint32_t grib_u16(const unsigned char *bytes) {
     return (uint32_t)bytes[0] << 8 | bytes[1];
@@ -34,6 +34,13 @@ void grib_reader_init(grib_reader *reader, const char *name, const void *bytes, 
     reader->name = name;
     reader->bytes = bytes;
     reader->size = size;
+    /* A telecommunication heading may stand before the first message. */
+    for (size_t i = 0; i + 4 <= size && i < MAX_HEADING_BYTES; ++i) {
+        if (memcmp(reader->bytes + i, "GRIB", 4) == 0) {
+            reader->position = i;
+            break;
+        }
+    }
 }
 
 static velum_result begin_message(grib_reader *reader, velum_weather_error *error) {

@@ -6,6 +6,9 @@
 
 enum { BLOCK_BYTES = 256 * 1024 };
 
+/* Far above any set; below what an allocator or a sanitizer takes for a mistake. */
+static const size_t max_alloc_bytes = (size_t)1 << 36;
+
 typedef struct block {
     struct block *before;
     size_t capacity;
@@ -97,7 +100,7 @@ uint64_t weather_set_next_id(velum_weather_set *set) {
 
 void *weather_set_alloc(velum_weather_set *set, size_t count, size_t size) {
     const size_t alignment = alignof(max_align_t);
-    if (size && count > (SIZE_MAX / 2) / size) {
+    if (size && count > max_alloc_bytes / size) {
         return NULL;
     }
     size_t bytes = count * size;

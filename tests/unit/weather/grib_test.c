@@ -99,6 +99,21 @@ static void all_packings_give_the_same_weather(void **state) {
     }
 }
 
+/* Forecasts that came over telecommunication lines carry a heading before the first message. */
+static void a_heading_is_skipped(void **state) {
+    (void)state;
+    const sample file = load("simple");
+    char *bytes = malloc(file.size + 21);
+    memcpy(bytes, "LBXX01 KWBC 101200\r\r\n", 21);
+    memcpy(bytes + 21, file.bytes, file.size);
+    velum_weather_set *set = velum_weather_set_create();
+    velum_weather_error error;
+    assert_int_equal(read(set, bytes, file.size + 21, &error), VELUM_OK);
+    velum_weather_set_destroy(set);
+    free(bytes);
+    free(file.bytes);
+}
+
 static void foreign_files_are_refused(void **state) {
     (void)state;
     sample file = load("simple");
@@ -170,7 +185,7 @@ static char *find_section(sample file, uint32_t message, int number) {
         at += length;
     }
     fail();
-    return NULL;
+    abort();
 }
 
 static void absurd_grids_and_values_are_refused_by_name(void **state) {
@@ -303,6 +318,7 @@ static void the_real_forecast(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_packings_give_the_same_weather),
+        cmocka_unit_test(a_heading_is_skipped),
         cmocka_unit_test(foreign_files_are_refused),
         cmocka_unit_test(a_cut_anywhere_is_one_error),
         cmocka_unit_test(flipped_bytes_never_break_the_reader),
