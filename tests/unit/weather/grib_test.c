@@ -188,6 +188,12 @@ static char *find_section(sample file, uint32_t message, int number) {
     abort();
 }
 
+static void put_u32(char *bytes, uint32_t value) {
+    for (int i = 0; i < 4; ++i) {
+        bytes[i] = (char)(value >> (24 - 8 * i));
+    }
+}
+
 static void absurd_grids_and_values_are_refused_by_name(void **state) {
     (void)state;
     sample file = load("simple");
@@ -215,9 +221,9 @@ static void absurd_grids_and_values_are_refused_by_name(void **state) {
     /* A reference value of NaN, and one that makes the field absurd. */
     char *packing = find_section(file, 1, 5);
     memcpy(kept, packing, 21);
-    memcpy(packing + 11, "\x7f\xc0\x00\x00", 4);
+    put_u32(packing + 11, 0x7fc00000u);
     refused(file.bytes, file.size, VELUM_ERROR_ARGUMENT, "message 1: packing: found reference");
-    memcpy(packing + 11, "\x49\x00\x00\x00", 4);
+    put_u32(packing + 11, 0x49000000u);
     refused(file.bytes, file.size, VELUM_ERROR_ARGUMENT, "message 1: geopotential height (gpm): found");
     memcpy(packing, kept, 21);
     packing[10] = 77;
@@ -226,7 +232,7 @@ static void absurd_grids_and_values_are_refused_by_name(void **state) {
 
     file = load("ieee");
     char *data = find_section(file, 2, 7);
-    memcpy(data + 5, "\x7f\xc0\x00\x00", 4);
+    put_u32(data + 5, 0x7fc00000u);
     refused(file.bytes, file.size, VELUM_ERROR_ARGUMENT, "message 2: ");
     free(file.bytes);
 }
