@@ -209,7 +209,7 @@ void main() {
                 advance = min(advance, min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0));
                 continue;
             }
-            velum_profile profile = velum_profile_of(slot, f.kind);
+            velum_profile profile = velum_profile_of(slot, f);
             float rank = column_rank(slot, f, r, normal, h);
             ++samples;
             float e = velum_excess(profile, f.coverage, rank);

@@ -65,7 +65,7 @@ void main() {
                 if (z <= 0.0 || z >= 1.0) {
                     continue;
                 }
-                velum_profile profile = velum_profile_of(slot, f.kind);
+                velum_profile profile = velum_profile_of(slot, f);
                 float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
                 if (e > 0.0) {
                     depth += f.extinction_1_m * velum_body(profile, e, z, h - f.base_m, lump_noise(slot, f, r), 0.5) * dt;

@@ -93,7 +93,8 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     return p;
 }
 
-VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
+VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
+    float kind = fields.kind;
     velum_profile p;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         /* St: a sheet. Sc: lumps and rolls. */
@@ -127,8 +128,13 @@ VELUM_FN velum_profile velum_profile_of(int slot, float kind) {
                                     2.0f * kind - 1.0f);
         }
     }
-    p.coverage_scale = velum_calibration_coverage(slot, kind);
-    p.density_scale = velum_calibration_density(slot, kind);
+    float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
+    velum_calibration measured =
+        velum_calibration_of(slot, kind, fields.coverage, fields.extinction_1_m * thickness_m);
+    p.reach = p.reach * measured.reach;
+    p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
+    p.coverage_scale = measured.coverage;
+    p.density_scale = measured.density;
     return p;
 }
 
@@ -147,11 +153,16 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
     return g;
 }
 
-/* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1.
- * lump -1..1 and fine 0..1 carve the boundary, less at the foot than aloft (0 and 0.5 where the pixel shows neither). */
-VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
+/* What lump -1..1 and fine 0..1 carve off the boundary, in e: less at the foot than aloft (0 and 0.5 where the pixel
+ * shows neither). */
+VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
-    float f = e - velum_threshold(p, z) - carve * velum_smoothstep(-0.25f, 0.35f, z);
+    return carve * velum_smoothstep(-0.25f, 0.35f, z);
+}
+
+/* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. */
+VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
+    float f = e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
     float inside = velum_smoothstep(0.0f, p.softness, f);
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);

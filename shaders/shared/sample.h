@@ -94,7 +94,7 @@ VELUM_FN float velum_slot_extinction(int slot, velum_slot_fields f, float height
         float over_m = height_m - f.base_m;
         float z = over_m / VELUM_MAX(f.top_m - f.base_m, 1.0f);
         if (z > 0.0f && z < 1.0f && f.coverage > 0.0f) {
-            velum_profile profile = velum_profile_of(slot, f.kind);
+            velum_profile profile = velum_profile_of(slot, f);
             float e = velum_excess(profile, f.coverage, rank);
             if (e > 0.0f) {
                 extinction = f.extinction_1_m * velum_body(profile, e, z, over_m, lump, fine);

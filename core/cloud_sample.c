@@ -1,0 +1,75 @@
+#include "cloud_sample.h"
+
+core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, const double origin_ecef_m[3],
+                                     const core_drift *drift) {
+    core_cloud_noise cloud = {.noise = noise,
+                              .tau_s = {drift->tau_s[0], drift->tau_s[1]},
+                              .weight_1 = drift->weight[1],
+                              .drifting = drift->weight[0] > 0.0f && drift->weight[1] > 0.0f,
+                              .stretch = velum_noise_of((int)slot).stretch,
+                              .slot = (int)slot};
+    core_slot_phases_at(slot, origin_ecef_m, drift, &cloud.phases);
+    return cloud;
+}
+
+static velum_noise_point place_in(const core_cloud_noise *cloud, const velum_slot_fields *f, const float *phase,
+                                  float stretch, int life, const float point_m[3]) {
+    float tau_s = cloud->tau_s[life];
+    return velum_noise_place(phase[0], phase[1], phase[2], phase[3], stretch, point_m[0] - f->wind_x_m_s * tau_s,
+                             point_m[1] - f->wind_y_m_s * tau_s, point_m[2] - f->wind_z_m_s * tau_s);
+}
+
+/* With one phase alone it is that phase, whichever it is. */
+static int only_life(const core_cloud_noise *cloud) {
+    return !cloud->drifting && cloud->weight_1 > 0.5f ? 1 : 0;
+}
+
+float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float foot_m[3]) {
+    int life = only_life(cloud);
+    velum_noise_point p = place_in(cloud, fields, cloud->phases.shape[life], cloud->stretch, life, foot_m);
+    float rank = core_noise_shape(cloud->noise, p.x, p.y, p.z);
+    if (cloud->drifting) {
+        p = place_in(cloud, fields, cloud->phases.shape[1], cloud->stretch, 1, foot_m);
+        rank = velum_rank_mix(rank, core_noise_shape(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
+    }
+    return rank;
+}
+
+static float detail_of(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float phases[2][4],
+                       const float point_m[3]) {
+    int life = only_life(cloud);
+    velum_noise_point p = place_in(cloud, fields, phases[life], 1.0f, life, point_m);
+    float detail = core_noise_detail(cloud->noise, p.x, p.y, p.z);
+    if (cloud->drifting) {
+        p = place_in(cloud, fields, phases[1], 1.0f, 1, point_m);
+        detail = velum_detail_mix(detail, core_noise_detail(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
+    }
+    return detail;
+}
+
+float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]) {
+    return 2.0f * detail_of(cloud, fields, (const float(*)[4])cloud->phases.lump, point_m) - 1.0f;
+}
+
+float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]) {
+    return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, point_m);
+}
+
+bool core_cloud_shows_fine(uint32_t slot, double footprint_m) {
+    return footprint_m < 0.06 * (double)velum_noise_of((int)slot).fine_period_m;
+}
+
+float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
+                            const float normal[3], float height_m, bool fine) {
+    if (fields->coverage <= 0.0f || height_m < fields->base_m || height_m > fields->top_m) {
+        return 0.0f;
+    }
+    if (cloud->slot >= VELUM_SLOT_UNIFORM) {
+        return velum_slot_extinction(cloud->slot, *fields, height_m, 1.0f, 0.0f, 0.5f);
+    }
+    const float foot[3] = {point_m[0] - normal[0] * height_m, point_m[1] - normal[1] * height_m,
+                           point_m[2] - normal[2] * height_m};
+    return velum_slot_extinction(cloud->slot, *fields, height_m, core_cloud_rank(cloud, fields, foot),
+                                 core_cloud_lump(cloud, fields, point_m),
+                                 fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
+}

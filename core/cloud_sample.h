@@ -1,0 +1,38 @@
+/* The density function over the CPU's noise: the same steps as shaders/weather.glsl takes over the GPU's. */
+#ifndef VELUM_CORE_CLOUD_SAMPLE_H
+#define VELUM_CORE_CLOUD_SAMPLE_H
+
+#include <stdbool.h>
+
+#include "drift.h"
+#include "noise.h"
+#include "noise_place.h"
+#include "shared/sample.h"
+
+/* One slot's noise around an origin: points are offsets from it, m, ECEF. */
+typedef struct core_cloud_noise {
+    const core_noise *noise;
+    core_slot_phases phases;
+    float tau_s[2];
+    float weight_1; /* of drift phase 1 */
+    bool drifting;  /* both phases have weight */
+    float stretch;
+    int slot;
+} core_cloud_noise;
+
+core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, const double origin_ecef_m[3],
+                                     const core_drift *drift);
+
+/* Rank of the column whose foot (on the ellipsoid) is given. */
+float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float foot_m[3]);
+float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
+float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
+
+/* Whether details of `footprint_m` show the fine noise of a slot; else it counts as 0.5. */
+bool core_cloud_shows_fine(uint32_t slot, double footprint_m);
+
+/* Extinction at a point, 1/m; `fine`: with fine detail. */
+float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
+                            const float normal[3], float height_m, bool fine);
+
+#endif
