@@ -463,28 +463,29 @@ double core_cell_point_distance_m(const core_cell *cell, const double normal[3])
         double x2 = 0.25 * square;
         return CORE_RADIUS_M * sqrt(square) * (1.0 + x2 * (1.0 / 6.0 + x2 * (3.0 / 40.0 + x2 * (15.0 / 336.0))));
     }
-    return 2.0 * CORE_RADIUS_M * asin(fmin(0.5 * sqrt(square), 1.0));
+    return 2.0 * CORE_RADIUS_M * asin(core_min(0.5 * sqrt(square), 1.0));
 }
 
 /* Beyond this the closed form below is off by decimetres and GeographicLib takes over near the edge. */
 #define CLOSED_FORM_M 150000.0
 
-/* East and north of a place from the centre by azimuth and length of the geodesic. The closed form takes the normal
- * section's azimuth and the arc on the sphere of Euler's radius at the middle latitude: within 0.1 m up to 150 km. */
-static void geodesic_offset(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg, bool exact,
-                            double *east_m, double *north_m) {
+/* East and north of a place from the centre by azimuth and length of the geodesic. */
+static void exact_offset(const core_cell *cell, const double normal[3], double *east_m, double *north_m) {
+    double distance_m;
+    double azimuth_deg;
+    core_geodesic_inverse(cell->lat_deg, cell->lon_deg, core_normal_lat_deg(normal), core_normal_lon_deg(normal),
+                          &distance_m, &azimuth_deg);
+    *east_m = distance_m * sin(azimuth_deg * CORE_DEG);
+    *north_m = distance_m * cos(azimuth_deg * CORE_DEG);
+}
+
+/* The same by the normal section's azimuth and the arc on the sphere of Euler's radius at the middle latitude: within
+ * 0.1 m up to 150 km. */
+static void closed_offset(const core_cell *cell, const double normal[3], double *east_m, double *north_m) {
     double position[3];
     double e = 0.0;
     double n = 0.0;
     double chord2 = 0.0;
-    if (exact) {
-        double distance_m;
-        double azimuth_deg;
-        core_geodesic_inverse(cell->lat_deg, cell->lon_deg, lat_deg, lon_deg, &distance_m, &azimuth_deg);
-        *east_m = distance_m * sin(azimuth_deg * CORE_DEG);
-        *north_m = distance_m * cos(azimuth_deg * CORE_DEG);
-        return;
-    }
     core_position(normal, 0.0, position);
     for (int i = 0; i < 3; i++) {
         double d = position[i] - cell->position_m[i];
@@ -502,7 +503,7 @@ static void geodesic_offset(const core_cell *cell, const double normal[3], doubl
     double prime = CORE_WGS84_A_M / sqrt(w);
     double meridian = CORE_WGS84_A_M * (1.0 - CORE_WGS84_E2) / (w * sqrt(w));
     double radius = 1.0 / ((n * n / along2) / meridian + (e * e / along2) / prime);
-    double arc = 2.0 * radius * asin(fmin(0.5 * sqrt(chord2) / radius, 1.0));
+    double arc = 2.0 * radius * asin(core_min(0.5 * sqrt(chord2) / radius, 1.0));
     double scale = arc / sqrt(along2);
     *east_m = e * scale;
     *north_m = n * scale;
@@ -514,7 +515,9 @@ static double rectangle_distance(const core_cell *cell, double east_m, double no
     double y = fabs(east_m * cell->sin_rotation + north_m * cell->cos_rotation);
     double qx = x - (cell->half_east_m - cell->corner_m);
     double qy = y - (cell->half_north_m - cell->corner_m);
-    return hypot(fmax(qx, 0.0), fmax(qy, 0.0)) + fmin(fmax(qx, qy), 0.0) - cell->corner_m;
+    double ox = core_max(qx, 0.0);
+    double oy = core_max(qy, 0.0);
+    return sqrt(ox * ox + oy * oy) + core_min(core_max(qx, qy), 0.0) - cell->corner_m;
 }
 
 double core_cell_region_distance_m(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg,
@@ -529,10 +532,10 @@ double core_cell_region_distance_m(const core_cell *cell, const double normal[3]
     if (centre_m * 0.99 - corner_m > reach_m) {
         return centre_m * 0.99 - corner_m;
     }
-    geodesic_offset(cell, normal, lat_deg, lon_deg, false, &east_m, &north_m);
+    closed_offset(cell, normal, &east_m, &north_m);
     double distance_m = rectangle_distance(cell, east_m, north_m);
     if (centre_m > CLOSED_FORM_M && fabs(distance_m) < reach_m + 1e-3 * centre_m) {
-        geodesic_offset(cell, normal, lat_deg, lon_deg, true, &east_m, &north_m);
+        exact_offset(cell, normal, &east_m, &north_m);
         distance_m = rectangle_distance(cell, east_m, north_m);
     }
     return distance_m;

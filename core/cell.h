@@ -107,7 +107,7 @@ size_t core_cell_bytes(const core_cell *cell);
 int core_cell_compare(const core_cell *a, const core_cell *b);
 
 /* Signed distance of a place to the edge of a region, m, negative inside, exact within reach_m and no less than it
- * beyond. */
+ * beyond. Latitude and longitude are read for polygons only. */
 double core_cell_region_distance_m(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg,
                                    double reach_m);
 /* Great-circle distance of a place to the cell's own point. */

@@ -167,14 +167,14 @@ static double smooth(double low, double high, double x) {
 /* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */
 static float region_weight(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg,
                            double texel_m) {
-    double ramp_m = fmin(CORE_EDGE_TEXELS * texel_m, cell->breadth_m);
+    double ramp_m = core_min(CORE_EDGE_TEXELS * texel_m, cell->breadth_m);
     double middle_m = 0.5 * cell->transition_m;
-    double half_m = fmax(fmax(middle_m, ramp_m), 1e-3);
+    double half_m = core_max(core_max(middle_m, ramp_m), 1e-3);
     double distance_m = core_cell_region_distance_m(cell, normal, lat_deg, lon_deg, middle_m + half_m);
     if (middle_m > ramp_m) {
         return (float)(1.0 - smooth(middle_m - half_m, middle_m + half_m, distance_m));
     }
-    return (float)fmin(fmax(0.5 - 0.5 * (distance_m - middle_m) / half_m, 0.0), 1.0);
+    return (float)core_min(core_max(0.5 - 0.5 * (distance_m - middle_m) / half_m, 0.0), 1.0);
 }
 
 static float station_weight(const core_cell *cell, const double normal[3]) {
@@ -213,7 +213,7 @@ static void add_grid(const core_state *state, double lat_deg, double lon_deg, do
                      core_blend *blend) {
     const core_grid *grid = state->grid;
     double border_m = core_grid_border_m(grid, lat_deg, lon_deg);
-    float outer = (float)fmin(fmax(0.5 - 0.5 * border_m / (CORE_EDGE_TEXELS * texel_m), 0.0), 1.0);
+    float outer = (float)core_min(core_max(0.5 - 0.5 * border_m / (CORE_EDGE_TEXELS * texel_m), 0.0), 1.0);
     mixture mix;
     if (outer <= 0.0f) {
         return;

@@ -39,6 +39,14 @@ bool core_eye_geometry(const double ecef_m[3], velum_eye_geometry *out);
 /* Height above the ellipsoid by the scaled sphere (DESIGN 2), in double. */
 double core_height_scaled(const double ecef_m[3]);
 
+/* Of finite numbers: fmin and fmax, which look at NaN, are calls. */
+static inline double core_min(double a, double b) {
+    return a < b ? a : b;
+}
+static inline double core_max(double a, double b) {
+    return a > b ? a : b;
+}
+
 static inline double core_hae_from_msl(double height_msl_m, double undulation_m) {
     return height_msl_m + undulation_m;
 }

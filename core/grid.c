@@ -212,9 +212,9 @@ core_grid_place core_grid_at(const core_grid *grid, double lat_deg, double lon_d
         /* Outside: the nearer end. */
         x = x - (grid->columns - 1) < around - x ? grid->columns - 1 : 0.0;
     }
-    uint32_t i0 = (uint32_t)fmin(floor(x), (double)grid->columns - 1.0);
+    uint32_t i0 = (uint32_t)core_min(floor(x), (double)grid->columns - 1.0);
     uint32_t i1 = i0 + 1 < grid->columns ? i0 + 1 : grid->closed ? 0 : i0;
-    float tx = (float)fmin(fmax(x - i0, 0.0), 1.0);
+    float tx = (float)core_min(core_max(x - i0, 0.0), 1.0);
     uint32_t last = grid->rows - 1;
     uint32_t row0;
     uint32_t row1;
@@ -226,14 +226,14 @@ core_grid_place core_grid_at(const core_grid *grid, double lat_deg, double lon_d
         double gap = 90.0 - fabs(row_deg);
         bool beyond = end == 0 ? y < 0.0 : y > last;
         if (grid->has_pole[end] && gap > 1e-6 && beyond) {
-            ty = (float)fmin(fabs(lat_deg - row_deg) / gap, 1.0);
+            ty = (float)core_min(fabs(lat_deg - row_deg) / gap, 1.0);
             row0 = (end == 0 ? 0 : last) * grid->columns;
             place = (core_grid_place){{row0 + i0, row0 + i1, count + end, count + end},
                                       {(1.0f - tx) * (1.0f - ty), tx * (1.0f - ty), ty, 0.0f}};
             return place;
         }
     }
-    y = fmin(fmax(y, 0.0), (double)last);
+    y = core_min(core_max(y, 0.0), (double)last);
     row0 = (uint32_t)y;
     row1 = row0 < last ? row0 + 1 : last;
     ty = (float)(y - row0);
@@ -257,31 +257,31 @@ core_grid_place core_grid_at(const core_grid *grid, double lat_deg, double lon_d
 double core_grid_border_m(const core_grid *grid, double lat_deg, double lon_deg) {
     double a = row_lat(grid, 0);
     double b = row_lat(grid, grid->rows - 1);
-    double north = fmax(a, b);
-    double south = fmin(a, b);
+    double north = core_max(a, b);
+    double south = core_min(a, b);
     double step = fabs(grid->lat_step_deg);
     double y = -1e9;
     double x = -1e9;
     /* A border that is a pole, or has only the pole beyond, is none. */
     if (!(grid->closed && 90.0 - north <= 1.01 * step)) {
-        y = fmax(y, (lat_deg - north) * DEGREE_M);
+        y = core_max(y, (lat_deg - north) * DEGREE_M);
     }
     if (!(grid->closed && south + 90.0 <= 1.01 * step)) {
-        y = fmax(y, (south - lat_deg) * DEGREE_M);
+        y = core_max(y, (south - lat_deg) * DEGREE_M);
     }
     if (!grid->closed) {
         double width = grid->lon_step_deg * (grid->columns - 1);
         double east = lon_deg - grid->lon_first_deg;
         east -= floor(east / 360.0) * 360.0;
-        double outside = fmin(east - width, 360.0 - east);
-        double excess = east <= width ? -fmin(east, width - east) : outside;
+        double outside = core_min(east - width, 360.0 - east);
+        double excess = east <= width ? -core_min(east, width - east) : outside;
         x = excess * DEGREE_M * cos(lat_deg * CORE_DEG);
     }
-    return x > 0.0 && y > 0.0 ? hypot(x, y) : fmax(x, y);
+    return x > 0.0 && y > 0.0 ? hypot(x, y) : core_max(x, y);
 }
 
 double core_grid_texel_m(const core_grid *grid, double lat_deg) {
     double north_m = fabs(grid->lat_step_deg) * DEGREE_M;
     double east_m = grid->lon_step_deg * DEGREE_M * cos(lat_deg * CORE_DEG);
-    return fmax(fmin(north_m, east_m) / 8.0, north_m / 32.0);
+    return core_max(core_min(north_m, east_m) / 8.0, north_m / 32.0);
 }

@@ -3,6 +3,7 @@
 #define VELUM_CORE_STATE_PRIVATE_H
 
 #include "cell.h"
+#include "geodesy.h"
 #include "grid.h"
 #include "state.h"
 
@@ -39,8 +40,8 @@ struct core_state {
 };
 
 static inline uint32_t core_index_bin(double lat_deg, double lon_deg) {
-    uint32_t row = (uint32_t)fmin(fmax((lat_deg + 90.0) * 0.5, 0.0), (double)CORE_INDEX_ROWS - 1.0);
-    uint32_t column = (uint32_t)fmin(fmax((lon_deg + 180.0) * 0.5, 0.0), (double)CORE_INDEX_COLUMNS - 1.0);
+    uint32_t row = (uint32_t)core_min(core_max((lat_deg + 90.0) * 0.5, 0.0), (double)CORE_INDEX_ROWS - 1.0);
+    uint32_t column = (uint32_t)core_min(core_max((lon_deg + 180.0) * 0.5, 0.0), (double)CORE_INDEX_COLUMNS - 1.0);
     return row * CORE_INDEX_COLUMNS + column;
 }
 

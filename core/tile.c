@@ -78,7 +78,7 @@ static texel make_texel(const float *field, const double normal[3], float undula
     float up = wind[0] * (float)normal[0] + wind[1] * (float)normal[1] + wind[2] * (float)normal[2];
     float log2_extinction = field[CORE_FIELD_LOG_EXTINCTION] * scale * 1.4426950408889634f;
     texel out;
-    out.value[TEXEL_COVERAGE] = unorm(fminf(field[CORE_FIELD_COVERAGE], 1.0f));
+    out.value[TEXEL_COVERAGE] = unorm(velum_clamp(field[CORE_FIELD_COVERAGE], 0.0f, 1.0f));
     out.value[TEXEL_BASE] = unorm(velum_texel_from_height(field[CORE_FIELD_BASE] * scale + undulation_m));
     out.value[TEXEL_TOP] = unorm(velum_texel_from_height(field[CORE_FIELD_TOP] * scale + undulation_m));
     out.value[TEXEL_EXTINCTION] = unorm(velum_clamp(
@@ -98,6 +98,7 @@ typedef struct raster {
     uint32_t mask;
     uint32_t region_count;
     uint32_t *regions; /* that can reach the tile */
+    bool has_polygon;  /* among them: only polygons ask for latitude and longitude */
     uint8_t covered[VELUM_SLOT_COUNT][WIDE_COUNT];
     texel texels[VELUM_SLOT_COUNT][WIDE_COUNT];
     core_blend lattice[LATTICE_SIDE * LATTICE_SIDE];
@@ -140,6 +141,7 @@ static void mix_blends(const core_blend *const from[4], float tx, float ty, core
 static bool find_regions(const core_state *state, const core_tile_cap *cap, raster *out) {
     uint32_t room = state->cell_count - state->first_region;
     out->region_count = 0;
+    out->has_polygon = false;
     out->regions = malloc((room + 1u) * sizeof *out->regions);
     if (!out->regions) {
         return false;
@@ -147,6 +149,7 @@ static bool find_regions(const core_state *state, const core_tile_cap *cap, rast
     for (uint32_t c = state->first_region; c < state->cell_count; c++) {
         if (core_cell_touches(state->cells[c], cap)) {
             out->regions[out->region_count++] = c;
+            out->has_polygon |= state->cells[c]->polygon != NULL;
         }
     }
     return true;
@@ -220,7 +223,7 @@ static bool rasterise(const core_state *state, uint32_t key, raster *out) {
         double lat_deg = 0.0;
         double lon_deg = 0.0;
         normal_of_tangents(face, a[at % WIDE], b[at / WIDE], normal);
-        if (base.steps == 0 || out->region_count > 0) {
+        if (base.steps == 0 || out->has_polygon) {
             lat_deg = core_normal_lat_deg(normal);
             lon_deg = core_normal_lon_deg(normal);
         }

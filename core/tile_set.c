@@ -234,6 +234,9 @@ static bool begin_walk(walk *w, const core_tile_eye *eye, const core_state *cons
 
 static velum_result finish_set(core_tile_set *set, wanted *found, uint32_t count) {
     uint32_t data_count = 0;
+    if (count == 0) {
+        return VELUM_OK;
+    }
     set->keys = malloc((count + 1u) * sizeof *set->keys);
     set->data = malloc((count + 1u) * sizeof *set->data);
     set->data_keys = malloc((count + 1u) * sizeof *set->data_keys);
