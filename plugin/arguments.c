@@ -57,8 +57,8 @@ bool check_array(checker *check, const char *field, const void *array, uint32_t 
     if (*stride == 0) {
         *stride = size_of(array);
     }
-    return *stride >= frozen || check_fail(check, VELUM_ERROR_STRUCT_SIZE, "%s: stride: found %u, expected at least %zu",
-                                           field, *stride, frozen);
+    return *stride >= frozen || check_fail(check, VELUM_ERROR_STRUCT_SIZE,
+                                           "%s: stride: found %u, expected at least %zu", field, *stride, frozen);
 }
 
 bool check_flags(checker *check, const char *field, uint32_t flags, uint32_t known) {
@@ -92,9 +92,9 @@ bool check_position(checker *check, const char *field, const double ecef_m[3]) {
 
 bool check_unit(checker *check, const char *field, const double v[3]) {
     double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    return fabs(length - 1.0) <= 1e-3 || check_fail(check, VELUM_ERROR_ARGUMENT,
-                                                    "%s: found (%g, %g, %g) of length %g, expected a unit vector", field,
-                                                    v[0], v[1], v[2], length);
+    return fabs(length - 1.0) <= 1e-3 ||
+           check_fail(check, VELUM_ERROR_ARGUMENT, "%s: found (%g, %g, %g) of length %g, expected a unit vector", field,
+                      v[0], v[1], v[2], length);
 }
 
 void write_struct(void *out, const void *own_struct, size_t own) {

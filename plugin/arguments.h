@@ -54,8 +54,7 @@ bool check_pointer(checker *check, const char *field, const void *pointer);
 bool check_in(checker *check, const char *field, void *out, size_t own, const void *in, size_t frozen);
 /* Whether a struct that we shall fill is large enough. */
 bool check_out(checker *check, const char *field, const void *out, size_t frozen);
-bool check_array(checker *check, const char *field, const void *array, uint32_t count, uint32_t *stride,
-                 size_t frozen);
+bool check_array(checker *check, const char *field, const void *array, uint32_t count, uint32_t *stride, size_t frozen);
 bool check_flags(checker *check, const char *field, uint32_t flags, uint32_t known);
 bool check_zero(checker *check, const char *field, uint64_t value);
 bool check_range(checker *check, const char *field, double value, double low, double high);

@@ -64,19 +64,19 @@ typedef union any_function {
 velum_result gpu_init(gpu *g, const velum_vulkan_lend *lend, const log_sink *sink) {
     *g = (gpu){.sink = sink, .physical = lend->physical_device, .device = lend->device};
     any_function f;
-#define X(name)                                                                                                       \
-    f.from = lend->get_instance_proc_addr(lend->instance, "vk" #name);                                                \
-    if (!f.from) {                                                                                                    \
-        return log_fail(sink, VELUM_ERROR_UNSUPPORTED, "device", "create_engine: vk" #name " is missing");            \
-    }                                                                                                                 \
+#define X(name)                                                                                                        \
+    f.from = lend->get_instance_proc_addr(lend->instance, "vk" #name);                                                 \
+    if (!f.from) {                                                                                                     \
+        return log_fail(sink, VELUM_ERROR_UNSUPPORTED, "device", "create_engine: vk" #name " is missing");             \
+    }                                                                                                                  \
     g->name = f.name;
     GPU_INSTANCE_FUNCTIONS(X)
 #undef X
-#define X(name)                                                                                                       \
-    f.from = g->GetDeviceProcAddr(lend->device, "vk" #name);                                                          \
-    if (!f.from) {                                                                                                    \
-        return log_fail(sink, VELUM_ERROR_UNSUPPORTED, "device", "create_engine: vk" #name " is missing");            \
-    }                                                                                                                 \
+#define X(name)                                                                                                        \
+    f.from = g->GetDeviceProcAddr(lend->device, "vk" #name);                                                           \
+    if (!f.from) {                                                                                                     \
+        return log_fail(sink, VELUM_ERROR_UNSUPPORTED, "device", "create_engine: vk" #name " is missing");             \
+    }                                                                                                                  \
     g->name = f.name;
     GPU_DEVICE_FUNCTIONS(X)
 #undef X
@@ -88,8 +88,8 @@ velum_result gpu_init(gpu *g, const velum_vulkan_lend *lend, const log_sink *sin
     uint32_t count = 32;
     g->GetPhysicalDeviceQueueFamilyProperties(g->physical, &count, families);
     if (lend->queue_family >= count) {
-        return log_fail(sink, VELUM_ERROR_ARGUMENT, "device", "create_engine: lend.queue_family: found %u, expected 0..%u",
-                        lend->queue_family, count - 1);
+        return log_fail(sink, VELUM_ERROR_ARGUMENT, "device",
+                        "create_engine: lend.queue_family: found %u, expected 0..%u", lend->queue_family, count - 1);
     }
     if (!(families[lend->queue_family].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
         return log_fail(sink, VELUM_ERROR_ARGUMENT, "device",
@@ -269,8 +269,8 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
         missing = "subgroup arithmetic in compute shaders";
     } else if (properties.properties.limits.maxImageArrayLayers < 256) {
         missing = "images of 256 array layers";
-    } else if (properties.properties.limits.maxPerStageDescriptorStorageImages < 8) {
-        missing = "8 storage images a stage";
+    } else if (properties.properties.limits.maxPerStageDescriptorStorageImages < 10) {
+        missing = "10 storage images a stage";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_UNORM, texture)) {
         missing = "linear filtering of R16G16B16A16_UNORM";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_SFLOAT, both)) {

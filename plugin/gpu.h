@@ -10,58 +10,58 @@
 
 #include "log.h"
 
-#define GPU_INSTANCE_FUNCTIONS(X)                                                                                     \
-    X(GetDeviceProcAddr)                                                                                              \
-    X(GetPhysicalDeviceFormatProperties2)                                                                             \
-    X(GetPhysicalDeviceMemoryProperties)                                                                              \
-    X(GetPhysicalDeviceProperties2)                                                                                   \
+#define GPU_INSTANCE_FUNCTIONS(X)                                                                                      \
+    X(GetDeviceProcAddr)                                                                                               \
+    X(GetPhysicalDeviceFormatProperties2)                                                                              \
+    X(GetPhysicalDeviceMemoryProperties)                                                                               \
+    X(GetPhysicalDeviceProperties2)                                                                                    \
     X(GetPhysicalDeviceQueueFamilyProperties)
 
-#define GPU_DEVICE_FUNCTIONS(X)                                                                                       \
-    X(AllocateDescriptorSets)                                                                                         \
-    X(AllocateMemory)                                                                                                 \
-    X(BindBufferMemory)                                                                                               \
-    X(BindImageMemory)                                                                                                \
-    X(CmdBindDescriptorSets)                                                                                          \
-    X(CmdBindPipeline)                                                                                                \
-    X(CmdCopyBuffer)                                                                                                  \
-    X(CmdCopyBufferToImage)                                                                                           \
-    X(CmdDispatch)                                                                                                    \
-    X(CmdFillBuffer)                                                                                                  \
-    X(CmdPipelineBarrier2)                                                                                            \
-    X(CmdResetQueryPool)                                                                                              \
-    X(CmdWriteTimestamp2)                                                                                             \
-    X(CreateBuffer)                                                                                                   \
-    X(CreateComputePipelines)                                                                                         \
-    X(CreateDescriptorPool)                                                                                           \
-    X(CreateDescriptorSetLayout)                                                                                      \
-    X(CreateImage)                                                                                                    \
-    X(CreateImageView)                                                                                                \
-    X(CreatePipelineCache)                                                                                            \
-    X(CreatePipelineLayout)                                                                                           \
-    X(CreateQueryPool)                                                                                                \
-    X(CreateSampler)                                                                                                  \
-    X(CreateShaderModule)                                                                                             \
-    X(DestroyBuffer)                                                                                                  \
-    X(DestroyDescriptorPool)                                                                                          \
-    X(DestroyDescriptorSetLayout)                                                                                     \
-    X(DestroyImage)                                                                                                   \
-    X(DestroyImageView)                                                                                               \
-    X(DestroyPipeline)                                                                                                \
-    X(DestroyPipelineCache)                                                                                           \
-    X(DestroyPipelineLayout)                                                                                          \
-    X(DestroyQueryPool)                                                                                               \
-    X(DestroySampler)                                                                                                 \
-    X(DestroyShaderModule)                                                                                            \
-    X(FlushMappedMemoryRanges)                                                                                        \
-    X(FreeMemory)                                                                                                     \
-    X(GetBufferMemoryRequirements)                                                                                    \
-    X(GetImageMemoryRequirements)                                                                                     \
-    X(GetPipelineCacheData)                                                                                           \
-    X(GetQueryPoolResults)                                                                                            \
-    X(InvalidateMappedMemoryRanges)                                                                                   \
-    X(MapMemory)                                                                                                      \
-    X(ResetDescriptorPool)                                                                                            \
+#define GPU_DEVICE_FUNCTIONS(X)                                                                                        \
+    X(AllocateDescriptorSets)                                                                                          \
+    X(AllocateMemory)                                                                                                  \
+    X(BindBufferMemory)                                                                                                \
+    X(BindImageMemory)                                                                                                 \
+    X(CmdBindDescriptorSets)                                                                                           \
+    X(CmdBindPipeline)                                                                                                 \
+    X(CmdCopyBuffer)                                                                                                   \
+    X(CmdCopyBufferToImage)                                                                                            \
+    X(CmdDispatch)                                                                                                     \
+    X(CmdFillBuffer)                                                                                                   \
+    X(CmdPipelineBarrier2)                                                                                             \
+    X(CmdResetQueryPool)                                                                                               \
+    X(CmdWriteTimestamp2)                                                                                              \
+    X(CreateBuffer)                                                                                                    \
+    X(CreateComputePipelines)                                                                                          \
+    X(CreateDescriptorPool)                                                                                            \
+    X(CreateDescriptorSetLayout)                                                                                       \
+    X(CreateImage)                                                                                                     \
+    X(CreateImageView)                                                                                                 \
+    X(CreatePipelineCache)                                                                                             \
+    X(CreatePipelineLayout)                                                                                            \
+    X(CreateQueryPool)                                                                                                 \
+    X(CreateSampler)                                                                                                   \
+    X(CreateShaderModule)                                                                                              \
+    X(DestroyBuffer)                                                                                                   \
+    X(DestroyDescriptorPool)                                                                                           \
+    X(DestroyDescriptorSetLayout)                                                                                      \
+    X(DestroyImage)                                                                                                    \
+    X(DestroyImageView)                                                                                                \
+    X(DestroyPipeline)                                                                                                 \
+    X(DestroyPipelineCache)                                                                                            \
+    X(DestroyPipelineLayout)                                                                                           \
+    X(DestroyQueryPool)                                                                                                \
+    X(DestroySampler)                                                                                                  \
+    X(DestroyShaderModule)                                                                                             \
+    X(FlushMappedMemoryRanges)                                                                                         \
+    X(FreeMemory)                                                                                                      \
+    X(GetBufferMemoryRequirements)                                                                                     \
+    X(GetImageMemoryRequirements)                                                                                      \
+    X(GetPipelineCacheData)                                                                                            \
+    X(GetQueryPoolResults)                                                                                             \
+    X(InvalidateMappedMemoryRanges)                                                                                    \
+    X(MapMemory)                                                                                                       \
+    X(ResetDescriptorPool)                                                                                             \
     X(UpdateDescriptorSets)
 
 typedef struct gpu_block gpu_block;
@@ -94,8 +94,8 @@ velum_result gpu_init(gpu *g, const velum_vulkan_lend *lend, const log_sink *sin
 void gpu_finish(gpu *g);
 
 typedef enum gpu_memory_kind {
-    GPU_MEMORY_DEVICE, /* device local */
-    GPU_MEMORY_UPLOAD, /* mapped, coherent, written in order */
+    GPU_MEMORY_DEVICE,  /* device local */
+    GPU_MEMORY_UPLOAD,  /* mapped, coherent, written in order */
     GPU_MEMORY_READBACK /* mapped, coherent, cached if possible */
 } gpu_memory_kind;
 

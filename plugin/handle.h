@@ -2,8 +2,8 @@
  * so a handle that was destroyed twice, is null, foreign or of another type is found out without touching what it
  * points to.
  *
- * The registry is the plugin's one piece of global state: a host may hand in any handle at any time, and nothing that an
- * object owns can tell that the object is gone. It holds no weather and no device: objects of one host cannot be
+ * The registry is the plugin's one piece of global state: a host may hand in any handle at any time, and nothing that
+ * an object owns can tell that the object is gone. It holds no weather and no device: objects of one host cannot be
  * reached through another's. */
 #ifndef PLUGIN_HANDLE_H
 #define PLUGIN_HANDLE_H

@@ -32,7 +32,8 @@ velum_result VELUM_CALL velum_negotiate(const velum_host_info *host, velum_plugi
         return check.result;
     }
     if (host->abi_min > host->abi_max) {
-        check_fail(&check, VELUM_ERROR_ARGUMENT, "host.abi_min: found %u above abi_max %u", host->abi_min, host->abi_max);
+        check_fail(&check, VELUM_ERROR_ARGUMENT, "host.abi_min: found %u above abi_max %u", host->abi_min,
+                   host->abi_max);
         return check.result;
     }
     velum_plugin_info info = {.abi_min = VELUM_ABI_MAJOR,

@@ -34,12 +34,12 @@ void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset); /* null: fu
 typedef struct pages {
     gpu_image a, b;
     uint32_t capacity;
-    uint32_t used_now;   /* pages asked for in this frame */
+    uint32_t used_now; /* pages asked for in this frame */
     uint64_t frame;
-    uint64_t uploaded;   /* since creation */
+    uint64_t uploaded; /* since creation */
     page_entry *page;
     page_name *names;
-    uint32_t *buckets;   /* page + 1 */
+    uint32_t *buckets;                      /* page + 1 */
     VkBufferImageCopy *copies_a, *copies_b; /* of this record call */
     uint32_t copy_count, copy_capacity;
 } pages;

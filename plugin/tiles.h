@@ -26,10 +26,10 @@ typedef struct tiles {
     uint32_t *page;     /* per data key, state, slot */
     uint64_t *contents;
     velum_result standing; /* VELUM_OK, VELUM_INCOMPLETE or VELUM_DEGRADED */
-    uint32_t *words;    /* the table as the device has it */
+    uint32_t *words;       /* the table as the device has it */
     uint32_t entries;
     uint32_t first_chunk, chunk_count;
-    uint32_t mask;      /* slots with cloud */
+    uint32_t mask;                                           /* slots with cloud */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
     float extinction_1_m[VELUM_SLOT_COUNT];
 } tiles;
@@ -42,7 +42,7 @@ typedef struct tiles_context {
     stage *s;
     table_space *space;
     const log_sink *sink;
-    uint32_t *budget;   /* tiles that may still be rasterised in this frame */
+    uint32_t *budget;     /* tiles that may still be rasterised in this frame */
     VkBufferCopy *copies; /* of tables, appended */
     uint32_t copy_count, copy_capacity;
 } tiles_context;

@@ -44,6 +44,7 @@ velum_result world_destroy(world *w) {
     }
     handle_destroy(w->handle);
     core_tile_cache_destroy(w->cache);
+    core_noise_destroy(w->noise);
     core_timeline_finish(&w->timeline);
     for (uint32_t i = 0; i < w->state_count; i++) {
         core_state_unref(w->states[i].state);
@@ -55,13 +56,18 @@ velum_result world_destroy(world *w) {
 }
 
 /* With the mutex held. */
-static core_state *find_state(const world *w, uint64_t id) {
+static const world_state *find_entry(const world *w, uint64_t id) {
     for (uint32_t i = w->state_count; i-- > 0;) {
         if (w->states[i].id == id) {
-            return w->states[i].state;
+            return &w->states[i];
         }
     }
     return NULL;
+}
+
+static core_state *find_state(const world *w, uint64_t id) {
+    const world_state *entry = find_entry(w, id);
+    return entry ? entry->state : NULL;
 }
 
 static bool reserve_state(world *w) {
@@ -81,7 +87,8 @@ velum_result world_commit(world *w, const velum_state_desc *desc, uint64_t *out_
     checker check = {&w->sink, "world", "commit", VELUM_OK};
     velum_state_desc d;
     if (!check_pointer(&check, "out_state", out_state) ||
-        !check_in(&check, "state", &d, sizeof d, desc, V1_STATE_DESC) || !check_flags(&check, "state.flags", d.flags, 0)) {
+        !check_in(&check, "state", &d, sizeof d, desc, V1_STATE_DESC) ||
+        !check_flags(&check, "state.flags", d.flags, 0)) {
         return check.result;
     }
     pthread_mutex_lock(&w->mutex);
@@ -96,8 +103,8 @@ velum_result world_commit(world *w, const velum_state_desc *desc, uint64_t *out_
     }
     core_error error = {0};
     core_state *state = NULL;
-    velum_result result =
-        room ? core_state_create(&d, base, id, &state, &error) : core_fail(&error, VELUM_ERROR_OUT_OF_MEMORY, "no memory");
+    velum_result result = room ? core_state_create(&d, base, id, &state, &error)
+                               : core_fail(&error, VELUM_ERROR_OUT_OF_MEMORY, "no memory");
     core_state_unref(base);
     if (result < 0) {
         check_fail(&check, result, "%s", error.text);
@@ -108,7 +115,7 @@ velum_result world_commit(world *w, const velum_state_desc *desc, uint64_t *out_
                   core_state_merged_layers(state));
     }
     pthread_mutex_lock(&w->mutex);
-    w->states[w->state_count++] = (world_state){id, state};
+    w->states[w->state_count++] = (world_state){id, d.base_state, state};
     w->newest_id = id;
     w->revision++;
     pthread_mutex_unlock(&w->mutex);
@@ -184,20 +191,22 @@ void world_weather_at(world *w, double time_s, world_weather *out) {
     *out = (world_weather){0};
     pthread_mutex_lock(&w->mutex);
     core_timeline_place place = core_timeline_at(&w->timeline, time_s);
-    core_state *a = find_state(w, place.state_a);
-    core_state *b = find_state(w, place.state_b);
+    uint64_t ids[2] = {place.state_a, place.state_b};
     if (w->timeline.count == 0 && w->state_count > 0) {
-        a = b = w->states[w->state_count - 1].state;
+        ids[0] = ids[1] = w->states[w->state_count - 1].id;
         place.blend = 0.0f;
     }
     if (place.blend <= 0.0f) {
-        b = a;
+        ids[1] = ids[0];
     } else if (place.blend >= 1.0f) {
-        a = b;
+        ids[0] = ids[1];
     }
-    out->blend = a != b ? place.blend : 0.0f;
-    out->state[0] = a ? core_state_ref(a) : NULL;
-    out->state[1] = b ? core_state_ref(b) : NULL;
+    for (uint32_t s = 0; s < 2; s++) {
+        const world_state *entry = find_entry(w, ids[s]);
+        out->state[s] = entry ? core_state_ref(entry->state) : NULL;
+        out->base[s] = entry ? entry->base : 0;
+    }
+    out->blend = out->state[0] != out->state[1] ? place.blend : 0.0f;
     out->revision = w->revision;
     pthread_mutex_unlock(&w->mutex);
 }
@@ -219,6 +228,16 @@ core_tile *world_tile(world *w, const core_state *state, uint32_t key, bool rast
     }
     pthread_mutex_unlock(&w->mutex);
     return tile;
+}
+
+const core_noise *world_noise(world *w) {
+    pthread_mutex_lock(&w->mutex);
+    if (!w->noise) {
+        w->noise = core_noise_create();
+    }
+    const core_noise *noise = w->noise;
+    pthread_mutex_unlock(&w->mutex);
+    return noise;
 }
 
 bool world_is_prepared(world *w) {

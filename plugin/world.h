@@ -7,6 +7,7 @@
 #include <stdatomic.h>
 #include <velum/world.h>
 
+#include "core/noise.h"
 #include "core/tile_cache.h"
 #include "core/tile_set.h"
 #include "core/timeline.h"
@@ -14,6 +15,7 @@
 
 typedef struct world_state {
     uint64_t id;
+    uint64_t base; /* that it was derived from; 0: none */
     core_state *state;
 } world_state;
 
@@ -21,21 +23,23 @@ typedef struct world {
     log_sink sink;
     velum_world *handle;
     uint64_t seed;
-    atomic_uint engines;     /* that show it */
-    atomic_uint waiting;     /* render calls that want the mutex */
-    pthread_mutex_t mutex;   /* of all below */
-    world_state *states;     /* ascending ids */
+    atomic_uint engines;   /* that show it */
+    atomic_uint waiting;   /* render calls that want the mutex */
+    pthread_mutex_t mutex; /* of all below */
+    world_state *states;   /* ascending ids */
     uint32_t state_count, state_capacity;
-    uint64_t newest_id;      /* ever given out */
+    uint64_t newest_id; /* ever given out */
     uint64_t revision;
     core_timeline timeline;
     core_tile_cache *cache;
-    bool prepared;           /* the host calls prepare(): frames leave the work to it */
+    core_noise *noise; /* made when first needed */
+    bool prepared;     /* the host calls prepare(): frames leave the work to it */
 } world;
 
 /* What holds at a time. */
 typedef struct world_weather {
     core_state *state[2]; /* with references; null: no weather. The same where nothing blends */
+    uint64_t base[2];     /* ids of what they were derived from; 0: none */
     float blend;          /* share of state[1] */
     uint64_t revision;
 } world_weather;
@@ -46,6 +50,8 @@ void world_weather_finish(world_weather *weather);
 /* For [render]: the tile with a reference, or null where it is not rasterised and `rasterise` is false. */
 core_tile *world_tile(world *w, const core_state *state, uint32_t key, bool rasterise, bool *rasterised);
 bool world_is_prepared(world *w);
+/* The noise volumes, as long as the world lives. Null: out of memory. */
+const core_noise *world_noise(world *w);
 
 /* Detail of tiles, as in velum_tile_level, of all eyes. */
 #define WORLD_TILE_DETAIL 1.0f

@@ -1,0 +1,21 @@
+/* From the host's doubles and the world's states to the blocks that shaders read. */
+#ifndef PLUGIN_BLOCKS_H
+#define PLUGIN_BLOCKS_H
+
+#include "engine.h"
+
+/* An eye's block at a place; `plan` may be null: all layers. False: the place is not usable. */
+bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef_m[3], const velum_plan *plan,
+                     velum_eye_block *out);
+
+/* Wind of the clouds over a place, weighted by their coverage, ECEF. */
+void blocks_wind(const engine *e, const double position_ecef_m[3], float wind_m_s[3]);
+
+/* A shadow map's block with positions relative to another origin. */
+void blocks_shift_shadow(const velum_shadow_geometry *geometry, const double origin_ecef_m[3], velum_shadow_block *out);
+
+static inline double dot3(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+#endif

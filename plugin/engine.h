@@ -1,0 +1,261 @@
+/* Engine, eye, view and shadow map, as the plugin sees them. Frames: begin; shared; views and shadow maps; end. */
+#ifndef PLUGIN_ENGINE_H
+#define PLUGIN_ENGINE_H
+
+#include "arguments.h"
+#include "core/drift.h"
+#include "core/geodesy.h"
+#include "gpu.h"
+#include "pages.h"
+#include "shared/arguments.h"
+#include "tiles.h"
+#include "world.h"
+
+enum {
+    FRAMES_MAX = 4,
+    FRAME_UNIFORM_BYTES = 256 << 10,
+    FRAME_QUERIES = 512,
+    FRAME_RECORDS = 128, /* views in a frame */
+    FRAME_POOL_SETS = 64,
+    FRAME_POOLS = 8,
+    EYES_MAX = 16, /* in a frame */
+    COUNTER_STRIDE = 256,
+    STAGE_TOTAL_BYTES = 16 << 20, /* over all frames in flight */
+    RENDER_TILES = 16,            /* rasterised by a frame at most where the host does not prepare() */
+    SHADOW_LEVELS_MAX = 4,
+    PATH_BLOCK = 4 /* pixels of a march block's side at most */
+};
+
+typedef struct engine engine;
+typedef struct eye eye;
+typedef struct view view;
+typedef struct shadow shadow;
+
+typedef enum pass {
+    PASS_AIR,
+    PASS_GLOW,
+    PASS_SKY,
+    PASS_MARCH,
+    PASS_RESOLVE,
+    PASS_RESOLVE_LAYERED,
+    PASS_SHADOW,
+    PASS_COUNT
+} pass;
+
+typedef struct pipelines {
+    VkDescriptorSetLayout set_engine, set_view, set_shadow;
+    VkPipelineLayout layout_engine, layout_view, layout_shadow;
+    VkPipeline pipeline[PASS_COUNT];
+    VkPipelineCache cache;
+    VkSampler linear, repeat, nearest;
+} pipelines;
+
+velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size);
+void pipelines_finish(pipelines *p, gpu *g);
+/* As get_pipeline_cache. */
+velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size);
+VkPipelineLayout pipelines_layout(const pipelines *p, pass which);
+
+/* What is to be read back of a view once its frame has completed. */
+typedef struct frame_record {
+    view *v;        /* null: destroyed since */
+    uint32_t query; /* first of three; FRAME_QUERIES: none */
+    velum_view_stats stats;
+} frame_record;
+
+/* One frame in flight. */
+typedef struct frame_slot {
+    uint64_t serial; /* 0: never used, or read back */
+    stage staged;
+    VkDeviceSize uniform_first, uniform_used;
+    VkDescriptorPool pool[FRAME_POOLS];
+    uint32_t pool_now;
+    VkQueryPool queries; /* null: the device has no timestamps */
+    uint32_t query_count;
+    uint32_t shared_query, shadow_query[SHADOW_LEVELS_MAX * 4]; /* first of two */
+    uint32_t shadow_queries;
+    gpu_buffer counters; /* read back */
+    frame_record record[FRAME_RECORDS];
+    uint32_t record_count;
+} frame_slot;
+
+typedef enum engine_state { ENGINE_IDLE, ENGINE_BEGUN, ENGINE_SHARED } engine_state;
+
+struct engine {
+    log_sink sink;
+    velum_engine *handle;
+    world *w;
+    gpu g;
+    pipelines passes;
+    void *owner;                        /* of a standalone engine: what owns the device; null: the host */
+    void (*release_owner)(void *owner); /* what it has of the device, before the engine goes */
+    void (*destroy_owner)(void *owner); /* the device, after */
+    bool inside;                        /* a call of the standalone table is at work */
+
+    uint32_t frames_in_flight;
+    engine_state state;
+    uint64_t newest_serial, completed_serial;
+    uint64_t frames;
+    frame_slot slots[FRAMES_MAX];
+    frame_slot *now;
+    gpu_buffer uniforms;
+    gpu_buffer counters; /* of the frame being recorded: device memory */
+
+    velum_frame_info frame;
+    world_weather weather;
+    core_drift drift;
+
+    pages pages;
+    table_space tables;
+    gpu_image shape, detail, air, glow, white;
+    gpu_image nothing, nothing_layered; /* stand in for images that the host does not give */
+    bool filled;                        /* noise and white are on the device */
+    bool air_ready;
+    bool glow_ready;
+    float glow_albedo[3];
+    shadow *newest_shadow; /* drawn last */
+    shadow *bound_shadow;  /* that this frame's views see; null: none */
+
+    uint32_t eye_count, shadow_count;
+    eye *eyes;      /* alive */
+    eye *dead_eyes; /* until the device has passed them */
+    view *dead_views;
+    shadow *shadows, *dead_shadows;
+};
+
+/* What the picture of the sky depends on. */
+typedef struct sky_key {
+    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], fog[2];
+} sky_key;
+
+struct eye {
+    engine *e;
+    velum_eye *handle;
+    eye *next;
+    int32_t quality;
+    uint32_t view_count;
+    uint64_t last_serial; /* that uses its device objects */
+    tiles tiles;
+    gpu_image sky;
+    sky_key sky_key;
+    bool sky_ready;
+    /* of the newest frame */
+    uint64_t frame; /* engine's count; 0: none */
+    bool reset;
+    double position_ecef_m[3];
+    velum_eye_block block;
+    VkDescriptorSet set;
+    bool incomplete, degraded;
+    float wind_m_s[3]; /* of the cloud about the eye */
+    velum_plan plan, imposed;
+    bool is_imposed;
+    char reasons[1024];
+};
+
+/* A camera as the frame after it needs it. */
+typedef struct camera {
+    double position[3], right[3], up[3], forward[3];
+    float tan[4]; /* left, right, bottom, top */
+    uint32_t flags, width, height;
+    float scale;
+    double time_s;
+    double sun[3];
+    uint64_t state[2];
+    float blend;
+} camera;
+
+struct view {
+    eye *eye;
+    velum_view *handle;
+    view *next;
+    char name[64];
+    uint32_t width, height;
+    uint64_t last_serial;
+    uint64_t frame;    /* engine's count; 0: none */
+    uint32_t ray_side; /* of the newest frame */
+    gpu_image march_light, march_distance;
+    gpu_image history[2], history_data[2];
+    uint32_t newest;  /* of history */
+    uint32_t counter; /* frames since reset */
+    bool has_camera;
+    camera before;
+    velum_view_stats stats;
+    bool has_stats;
+    uint64_t bytes;
+};
+
+struct shadow {
+    engine *e;
+    velum_shadow *handle;
+    shadow *next;
+    uint32_t levels, texels;
+    double extent_m;
+    uint64_t last_serial;
+    uint64_t frame;
+    tiles tiles;
+    gpu_image image;
+    bool drawn, incomplete;
+    velum_shadow_geometry geometry;
+    /* what is drawn */
+    struct shadow_key {
+        double sun[3], origin[3], corner[SHADOW_LEVELS_MAX][2], time_s;
+        uint64_t state[2];
+        float blend;
+        uint32_t reserved;
+    } key;
+    uint64_t bytes;
+};
+
+/* engine.c */
+velum_result engine_create(const velum_vulkan_lend *lend, world *w, velum_engine **out);
+velum_result engine_destroy(engine *e);
+velum_result engine_begin_frame(engine *e, const velum_frame_info *frame);
+velum_result engine_end_frame(engine *e);
+velum_result engine_complete(engine *e, uint64_t completed_serial);
+uint64_t engine_weather_bytes(const engine *e);
+
+/* frame.c: what a frame in flight gives out. */
+bool frame_slot_init(engine *e, frame_slot *slot, uint32_t index);
+void frame_slot_finish(engine *e, frame_slot *slot);
+bool frame_slot_begin(engine *e, frame_slot *slot);
+/* Space for a block; its dynamic offset. False: none is left, logged. */
+bool frame_uniform(engine *e, const void *block, uint32_t size, uint32_t *offset);
+bool frame_set(engine *e, VkDescriptorSetLayout layout, VkDescriptorSet *out);
+uint32_t frame_queries(engine *e, uint32_t count);
+void frame_timestamp(engine *e, VkCommandBuffer commands, uint32_t query);
+/* Set 0 with an eye's sky. */
+bool frame_engine_set(engine *e, const gpu_image *sky, VkDescriptorSet *out);
+
+/* stats.c: takes in what finished frames have left. */
+void stats_read(engine *e, frame_slot *slot);
+void stats_forget(engine *e, const view *v);
+
+/* objects.c */
+velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out);
+velum_result eye_destroy(eye *y);
+velum_result view_create(eye *y, const velum_view_desc *desc, velum_view **out);
+velum_result view_destroy(view *v);
+velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shadow **out);
+velum_result shadow_destroy(shadow *s);
+void objects_bury(engine *e); /* frees what the device has passed */
+
+/* record_*.c */
+velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_frame *eyes, uint32_t count,
+                           uint32_t stride);
+velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
+                         const velum_vulkan_images *images);
+velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame);
+/* Uploads staged by `context` since, between barriers. */
+void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *context);
+tiles_context record_tiles_context(engine *e, uint32_t *budget, VkBufferCopy *copies, uint32_t copy_capacity);
+void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height);
+
+/* noise_volumes.c: the first frame's uploads. */
+bool noise_volumes_init(engine *e);
+velum_result noise_volumes_record(engine *e, VkCommandBuffer commands);
+
+/* plan.c */
+void plan_make(const engine *e, eye *y);
+velum_result plan_impose(eye *y, const velum_plan *plan);
+
+#endif

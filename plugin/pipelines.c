@@ -1,0 +1,205 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine.h"
+
+/* After the headers: they need uint32_t. */
+#include "air.spv.h"
+#include "glow.spv.h"
+#include "march.spv.h"
+#include "resolve.spv.h"
+#include "resolve_layered.spv.h"
+#include "shadow.spv.h"
+#include "sky.spv.h"
+
+/* What stands before the driver's data in a blob, so that a foreign or damaged one is found out by us. */
+typedef struct cache_header {
+    char magic[8];
+    uint32_t vendor, device, driver, reserved;
+    uint8_t uuid[VK_UUID_SIZE];
+    uint64_t size, sum;
+} cache_header;
+
+/* FNV-1a (Fowler, Noll & Vo 1991). */
+static uint64_t sum_of(const uint8_t *bytes, uint64_t size) {
+    uint64_t h = 0xcbf29ce484222325u;
+    for (uint64_t i = 0; i < size; i++) {
+        h = (h ^ bytes[i]) * 0x100000001b3u;
+    }
+    return h;
+}
+
+static cache_header header_of(const gpu *g, const void *data, uint64_t size) {
+    cache_header header = {.magic = "VELUMPC",
+                           .vendor = g->properties.vendorID,
+                           .device = g->properties.deviceID,
+                           .driver = g->properties.driverVersion,
+                           .size = size,
+                           .sum = sum_of(data, size)};
+    memcpy(header.uuid, g->properties.pipelineCacheUUID, sizeof header.uuid);
+    return header;
+}
+
+static bool blob_is_ours(const gpu *g, const void *blob, uint64_t size) {
+    cache_header header, own;
+    if (!blob || size < sizeof header) {
+        return false;
+    }
+    memcpy(&header, blob, sizeof header);
+    if (header.size != size - sizeof header) {
+        return false;
+    }
+    own = header_of(g, (const char *)blob + sizeof header, header.size);
+    return memcmp(&own, &header, sizeof header) == 0;
+}
+
+velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size) {
+    size_t own = 0;
+    if (!VK(g, GetPipelineCacheData(g->device, p->cache, &own, NULL))) {
+        return gpu_result(g);
+    }
+    if (!data) {
+        *size = own + sizeof(cache_header);
+        return VELUM_OK;
+    }
+    if (*size < own + sizeof(cache_header)) {
+        return log_fail(g->sink, VELUM_ERROR_ARGUMENT, "engine",
+                        "get_pipeline_cache: size: found %llu, expected at least %llu", (unsigned long long)*size,
+                        (unsigned long long)(own + sizeof(cache_header)));
+    }
+    char *bytes = (char *)data + sizeof(cache_header);
+    if (!VK(g, GetPipelineCacheData(g->device, p->cache, &own, bytes))) {
+        return gpu_result(g);
+    }
+    cache_header header = header_of(g, bytes, own);
+    memcpy(data, &header, sizeof header);
+    *size = own + sizeof header;
+    return VELUM_OK;
+}
+
+enum { U = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, B = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER };
+enum { T = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, I = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE };
+
+static bool create_set_layout(gpu *g, const int *types, uint32_t count, VkDescriptorSetLayout *out) {
+    VkDescriptorSetLayoutBinding
+        bindings[VELUM_BIND_COUNT > VELUM_BIND_VIEW_COUNT ? VELUM_BIND_COUNT : VELUM_BIND_VIEW_COUNT];
+    for (uint32_t i = 0; i < count; i++) {
+        bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
+                                                     .descriptorType = (VkDescriptorType)types[i],
+                                                     .descriptorCount = 1,
+                                                     .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+    }
+    VkDescriptorSetLayoutCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
+    return VK(g, CreateDescriptorSetLayout(g->device, &info, NULL, out));
+}
+
+static bool create_layout(gpu *g, const VkDescriptorSetLayout *sets, uint32_t count, VkPipelineLayout *out) {
+    VkPipelineLayoutCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = count, .pSetLayouts = sets};
+    return VK(g, CreatePipelineLayout(g->device, &info, NULL, out));
+}
+
+static bool create_sampler(gpu *g, VkFilter filter, VkSamplerAddressMode address, VkSampler *out) {
+    VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                                .magFilter = filter,
+                                .minFilter = filter,
+                                .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                .addressModeU = address,
+                                .addressModeV = address,
+                                .addressModeW = address};
+    return VK(g, CreateSampler(g->device, &info, NULL, out));
+}
+
+VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
+    switch (which) {
+    case PASS_MARCH:
+    case PASS_RESOLVE:
+    case PASS_RESOLVE_LAYERED: return p->layout_view;
+    case PASS_SHADOW: return p->layout_shadow;
+    default: return p->layout_engine;
+    }
+}
+
+static bool create_pipeline(pipelines *p, gpu *g, pass which) {
+    static const struct {
+        const uint32_t *words;
+        size_t bytes;
+    } shaders[PASS_COUNT] = {[PASS_AIR] = {velum_air_spv, sizeof velum_air_spv},
+                             [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
+                             [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
+                             [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
+                             [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
+                             [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
+                             [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv}};
+    VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                            .codeSize = shaders[which].bytes,
+                                            .pCode = shaders[which].words};
+    VkShaderModule module = VK_NULL_HANDLE;
+    if (!VK(g, CreateShaderModule(g->device, &module_info, NULL, &module))) {
+        return false;
+    }
+    VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                        .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                  .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                  .module = module,
+                                                  .pName = "main"},
+                                        .layout = pipelines_layout(p, which)};
+    bool ok = VK(g, CreateComputePipelines(g->device, p->cache, 1, &info, NULL, &p->pipeline[which]));
+    g->DestroyShaderModule(g->device, module, NULL);
+    return ok;
+}
+
+velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size) {
+    static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B};
+    static const int shadow_types[2] = {U, I};
+    *p = (pipelines){0};
+    bool known = blob_is_ours(g, blob, blob_size);
+    if (blob && !known) {
+        log_write(g->sink, VELUM_LOG_INFO, "engine",
+                  "create_engine: the pipeline cache is damaged or of another device, driver or version; not used");
+    }
+    VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
+                                       .initialDataSize = known ? blob_size - sizeof(cache_header) : 0,
+                                       .pInitialData = known ? (const char *)blob + sizeof(cache_header) : NULL};
+    bool ok = VK(g, CreatePipelineCache(g->device, &cache, NULL, &p->cache)) &&
+              create_set_layout(g, engine_types, VELUM_BIND_COUNT, &p->set_engine) &&
+              create_set_layout(g, view_types, VELUM_BIND_VIEW_COUNT, &p->set_view) &&
+              create_set_layout(g, shadow_types, 2, &p->set_shadow);
+    VkDescriptorSetLayout view_sets[2] = {p->set_engine, p->set_view};
+    VkDescriptorSetLayout shadow_sets[2] = {p->set_engine, p->set_shadow};
+    ok = ok && create_layout(g, view_sets, 1, &p->layout_engine) && create_layout(g, view_sets, 2, &p->layout_view) &&
+         create_layout(g, shadow_sets, 2, &p->layout_shadow) &&
+         create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->linear) &&
+         create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
+         create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
+    for (uint32_t i = 0; ok && i < PASS_COUNT; i++) {
+        ok = create_pipeline(p, g, (pass)i);
+    }
+    if (!ok) {
+        pipelines_finish(p, g);
+        return gpu_result(g);
+    }
+    return VELUM_OK;
+}
+
+void pipelines_finish(pipelines *p, gpu *g) {
+    if (!g->DestroyPipeline) {
+        return;
+    }
+    for (uint32_t i = 0; i < PASS_COUNT; i++) {
+        g->DestroyPipeline(g->device, p->pipeline[i], NULL);
+    }
+    g->DestroySampler(g->device, p->linear, NULL);
+    g->DestroySampler(g->device, p->repeat, NULL);
+    g->DestroySampler(g->device, p->nearest, NULL);
+    g->DestroyPipelineLayout(g->device, p->layout_engine, NULL);
+    g->DestroyPipelineLayout(g->device, p->layout_view, NULL);
+    g->DestroyPipelineLayout(g->device, p->layout_shadow, NULL);
+    g->DestroyDescriptorSetLayout(g->device, p->set_engine, NULL);
+    g->DestroyDescriptorSetLayout(g->device, p->set_view, NULL);
+    g->DestroyDescriptorSetLayout(g->device, p->set_shadow, NULL);
+    g->DestroyPipelineCache(g->device, p->cache, NULL);
+    *p = (pipelines){0};
+}

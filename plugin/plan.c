@@ -1,0 +1,114 @@
+/* How a frame of an eye is made: version 1. Steps and rates come from the preset, layers and distance from the tiles.
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "engine.h"
+
+typedef struct preset {
+    const char *name;
+    uint32_t march_steps, light_steps, octaves;
+    float step_m, step_growth;
+} preset;
+
+static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 80, 4, 2, 160.0f, 0.014f},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 140, 5, 3, 100.0f, 0.009f},
+                                 [VELUM_QUALITY_HIGH] = {"high", 240, 7, 4, 60.0f, 0.006f},
+                                 [VELUM_QUALITY_ULTRA] = {"ultra", 400, 10, 6, 35.0f, 0.0035f}};
+
+static void reason(eye *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void reason(eye *y, const char *format, ...) {
+    size_t used = strlen(y->reasons);
+    va_list list;
+    va_start(list, format);
+    vsnprintf(y->reasons + used, sizeof y->reasons - used, format, list);
+    va_end(list);
+}
+
+void plan_make(const engine *e, eye *y) {
+    static const char *const slots[VELUM_SLOT_COUNT] = {"low",    "low 2", "cumulus", "storm",
+                                                        "middle", "high",  "uniform", "uniform 2"};
+    const preset *p = &presets[y->quality];
+    y->reasons[0] = '\0';
+    if (y->is_imposed) {
+        y->plan = y->imposed;
+        y->plan.active_layers &= y->tiles.mask;
+        reason(y, "the host imposes this plan");
+        return;
+    }
+    bool blends = e->weather.state[0] != e->weather.state[1];
+    float distance_m = y->tiles.has_set && y->tiles.mask ? (float)y->tiles.set.distance_m : 1000.0f;
+    y->plan = (velum_plan){.struct_size = sizeof y->plan,
+                           .active_layers = y->tiles.mask,
+                           .march_steps = p->march_steps,
+                           .light_steps = p->light_steps,
+                           .ray_rate = 16,
+                           .octaves = p->octaves,
+                           .blending = blends,
+                           .step_m = p->step_m,
+                           .step_growth = p->step_growth,
+                           .distance_m = distance_m};
+    reason(y, "quality %s: %u steps from %g m, %u towards the sun, 1 ray for 16 pixels", p->name, p->march_steps,
+           (double)p->step_m, p->light_steps);
+    if (y->tiles.mask == 0) {
+        reason(y, "\nno cloud within sight: no steps");
+        y->plan.march_steps = 1;
+    }
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (y->tiles.mask & (1u << slot)) {
+            reason(y, "\nlayers '%s' between %.0f and %.0f m HAE", slots[slot], (double)y->tiles.base_m[slot],
+                   (double)y->tiles.top_m[slot]);
+        }
+    }
+    if (y->tiles.mask) {
+        reason(y, "\nrays end at %.0f m: horizon of the highest cloud", (double)distance_m);
+    }
+    if (blends) {
+        reason(y, "\ntwo weather states, %.3f of the second", (double)e->weather.blend);
+    }
+    if (y->degraded) {
+        reason(y, "\nfar tiles are coarser: the pages do not suffice");
+    }
+    if (y->incomplete) {
+        reason(y, "\ntiles are missing: coarser ones stand in");
+    }
+}
+
+velum_result plan_impose(eye *y, const velum_plan *plan) {
+    engine *e = y->e;
+    checker check = {&e->sink, "eye", "set_plan", VELUM_OK};
+    velum_plan p;
+    if (e->state != ENGINE_IDLE || e->inside) {
+        check_fail(&check, VELUM_ERROR_STATE, "not legal inside a frame");
+        return check.result;
+    }
+    if (!plan) {
+        y->is_imposed = false;
+        return VELUM_OK;
+    }
+    if (!check_in(&check, "plan", &p, sizeof p, plan, V1_PLAN) || !check_flags(&check, "plan.flags", p.flags, 0) ||
+        !check_flags(&check, "plan.active_layers", p.active_layers, (1u << VELUM_SLOT_COUNT) - 1u) ||
+        !check_count(&check, "plan.march_steps", p.march_steps, 1, 4096) ||
+        !check_count(&check, "plan.light_steps", p.light_steps, 1, 64) ||
+        !check_count(&check, "plan.octaves", p.octaves, 1, 8) ||
+        !check_count(&check, "plan.blending", p.blending, 0, 1) ||
+        !check_range(&check, "plan.step_m", (double)p.step_m, 1.0, 10000.0) ||
+        !check_range(&check, "plan.step_growth", (double)p.step_growth, 0.0, 0.5) ||
+        !check_range(&check, "plan.distance_m", (double)p.distance_m, 1.0, 1e7)) {
+        return check.result;
+    }
+    if (p.ray_rate != 1 && p.ray_rate != 4 && p.ray_rate != 16) {
+        check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 4 or 16", p.ray_rate);
+        return check.result;
+    }
+    if (p.reserved != 0.0f) {
+        check_fail(&check, VELUM_ERROR_FLAGS, "plan.reserved: expected 0");
+        return check.result;
+    }
+    p.struct_size = sizeof p;
+    y->imposed = p;
+    y->is_imposed = true;
+    return VELUM_OK;
+}

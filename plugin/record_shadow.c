@@ -1,0 +1,213 @@
+/* Cloud shadow maps: planes across the sun, snapped to texels that are fixed to the world for a given sun. */
+#include <math.h>
+#include <string.h>
+
+#include "blocks.h"
+
+/* The origin moves along the sun in steps of this, so that a climbing centre leaves the map as it is. */
+#define ALONG_STEP_M 1024.0
+#define DISTANCE_STEP_M 50000.0
+#define DISTANCE_MAX_M 400000.0
+#define STEPS 96u
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void make_axes(const double sun[3], double u[3], double v[3]) {
+    const double pole[3] = {0.0, 0.0, 1.0};
+    const double meridian[3] = {1.0, 0.0, 0.0};
+    cross(fabs(sun[2]) < 0.9 ? pole : meridian, sun, u);
+    double length = sqrt(dot3(u, u));
+    for (int i = 0; i < 3; i++) {
+        u[i] /= length;
+    }
+    cross(sun, u, v);
+}
+
+static double level_extent_m(const shadow *s, uint32_t level) {
+    return s->extent_m * (double)(1u << (2 * level));
+}
+
+static double snap(double x, double step) {
+    return floor(x / step + 0.5) * step;
+}
+
+/* Where the levels lie, and what the host is told. */
+static void place(const shadow *s, const double sun[3], const double centre[3], struct shadow_key *key,
+                  velum_shadow_geometry *geometry) {
+    double axes[3][3]; /* u, v, sun */
+    make_axes(sun, axes[0], axes[1]);
+    memcpy(axes[2], sun, sizeof axes[2]);
+    double texel_m = s->extent_m / s->texels;
+    double at[3];
+    for (int i = 0; i < 3; i++) {
+        at[i] = snap(dot3(centre, axes[i]), i == 2 ? ALONG_STEP_M : texel_m);
+    }
+    *geometry = (velum_shadow_geometry){.struct_size = sizeof *geometry, .levels = s->levels, .texels = s->texels};
+    for (int i = 0; i < 3; i++) {
+        key->origin[i] = at[0] * axes[0][i] + at[1] * axes[1][i] + at[2] * axes[2][i];
+        key->sun[i] = sun[i];
+        geometry->origin_ecef_m[i] = key->origin[i];
+        geometry->block.axis_u[i] = (float)axes[0][i];
+        geometry->block.axis_v[i] = (float)axes[1][i];
+        geometry->block.sun[i] = (float)sun[i];
+    }
+    geometry->block.axis_u[3] = (float)s->levels;
+    geometry->block.axis_v[3] = (float)s->texels;
+    for (uint32_t k = 0; k < s->levels; k++) {
+        double extent_m = level_extent_m(s, k);
+        geometry->block.level[k][0] = (float)extent_m;
+        for (int i = 0; i < 2; i++) {
+            double corner_m = snap(dot3(centre, axes[i]) - 0.5 * extent_m, extent_m / s->texels);
+            key->corner[k][i] = corner_m - at[i];
+            geometry->block.level[k][1 + i] = (float)((at[i] - corner_m) / extent_m);
+        }
+    }
+}
+
+/* How far from the origin the lines of the widest level meet the cloud. */
+static double reach_m(const shadow *s, const double origin[3], const double sun[3]) {
+    double radius = sqrt(dot3(origin, origin));
+    double sine = fmax(dot3(origin, sun) / radius, 0.05);
+    double reach = 0.7072 * level_extent_m(s, s->levels - 1) / sine + 15000.0 / sine;
+    return fmin(ceil(reach / DISTANCE_STEP_M) * DISTANCE_STEP_M, DISTANCE_MAX_M);
+}
+
+static bool write_set(engine *e, const shadow *s, VkDescriptorSet *out) {
+    if (!frame_set(e, e->passes.set_shadow, out)) {
+        return false;
+    }
+    const VkDescriptorBufferInfo block = {e->uniforms.buffer, 0, sizeof(velum_shadow_level_block)};
+    const VkDescriptorImageInfo image = {VK_NULL_HANDLE, s->image.view, VK_IMAGE_LAYOUT_GENERAL};
+    const VkWriteDescriptorSet writes[2] = {{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                             .dstSet = *out,
+                                             .dstBinding = VELUM_BIND_SHADOW_LEVEL,
+                                             .descriptorCount = 1,
+                                             .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
+                                             .pBufferInfo = &block},
+                                            {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                             .dstSet = *out,
+                                             .dstBinding = VELUM_BIND_SHADOW_OUT,
+                                             .descriptorCount = 1,
+                                             .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                                             .pImageInfo = &image}};
+    e->g.UpdateDescriptorSets(e->g.device, 2, writes, 0, NULL);
+    return true;
+}
+
+static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_geometry *geometry,
+                                            const struct shadow_key *key, uint32_t level) {
+    velum_shadow_level_block b = {.window = {0, s->texels, STEPS, 0}};
+    double u[3], v[3];
+    make_axes(key->sun, u, v);
+    for (int i = 0; i < 3; i++) {
+        b.axis_u[i] = geometry->block.axis_u[i];
+        b.axis_v[i] = geometry->block.axis_v[i];
+        b.origin[i] = (float)(key->corner[level][0] * u[i] + key->corner[level][1] * v[i]);
+    }
+    b.axis_u[3] = (float)(level_extent_m(s, level) / s->texels);
+    b.axis_v[3] = (float)s->texels;
+    b.origin[3] = (float)level;
+    return b;
+}
+
+static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow_geometry *geometry,
+                         const struct shadow_key *key) {
+    engine *e = s->e;
+    gpu *g = &e->g;
+    velum_eye_block block;
+    VkDescriptorSet sets[2];
+    uint32_t offsets[3];
+    const velum_shadow_block none = {0};
+    if (!blocks_fill_eye(e, &s->tiles, key->origin, NULL, &block)) {
+        return log_fail(&e->sink, VELUM_ERROR_ARGUMENT, "shadow",
+                        "record_shadow: frame.centre_ecef_m: no place on the earth");
+    }
+    if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1])) {
+        return gpu_result(g);
+    }
+    if (!frame_uniform(e, &block, sizeof block, &offsets[0]) || !frame_uniform(e, &none, sizeof none, &offsets[1])) {
+        return VELUM_ERROR_OUT_OF_MEMORY;
+    }
+    uint32_t levels[SHADOW_LEVELS_MAX];
+    for (uint32_t k = 0; k < s->levels; k++) {
+        velum_shadow_level_block level = level_block(s, geometry, key, k);
+        if (!frame_uniform(e, &level, sizeof level, &levels[k])) {
+            return VELUM_ERROR_OUT_OF_MEMORY;
+        }
+    }
+    gpu_image_make_general(g, commands, &s->image);
+    uint32_t query = e->now->shadow_queries < sizeof e->now->shadow_query / sizeof e->now->shadow_query[0]
+                         ? frame_queries(e, 2)
+                         : FRAME_QUERIES;
+    if (query < FRAME_QUERIES) {
+        e->now->shadow_query[e->now->shadow_queries++] = query;
+    }
+    frame_timestamp(e, commands, query);
+    /* Whoever sampled the map before, in whatever stage, has done so. */
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+    for (uint32_t k = 0; k < s->levels; k++) {
+        offsets[2] = levels[k];
+        g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
+                                 offsets);
+        record_dispatch(e, commands, PASS_SHADOW, s->texels, s->texels);
+    }
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
+    frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
+    return VELUM_OK;
+}
+
+velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame) {
+    engine *e = s->e;
+    checker check = {&e->sink, "shadow", "record_shadow", VELUM_OK};
+    velum_shadow_frame f;
+    if (e->state != ENGINE_SHARED || s->frame == e->frames) {
+        check_fail(&check, VELUM_ERROR_STATE,
+                   e->state != ENGINE_SHARED ? "record_shared comes first" : "called twice in a frame");
+        return check.result;
+    }
+    if (!check_pointer(&check, "commands", commands) ||
+        !check_in(&check, "frame", &f, sizeof f, frame, V1_SHADOW_FRAME) ||
+        !check_flags(&check, "frame.flags", f.flags, 0) ||
+        !check_position(&check, "frame.centre_ecef_m", f.centre_ecef_m)) {
+        return check.result;
+    }
+    struct shadow_key key;
+    velum_shadow_geometry geometry;
+    memset(&key, 0, sizeof key);
+    place(s, e->frame.sun_direction_ecef, f.centre_ecef_m, &key, &geometry);
+    key.time_s = e->frame.time_s;
+    key.blend = e->weather.blend;
+    for (int i = 0; i < 2; i++) {
+        key.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
+    }
+    s->frame = e->frames;
+    if (s->drawn && !s->incomplete && memcmp(&key, &s->key, sizeof key) == 0) {
+        return VELUM_UNCHANGED;
+    }
+    VkBufferCopy copy;
+    uint32_t budget = e->owner ? UINT32_MAX : RENDER_TILES;
+    tiles_context context = record_tiles_context(e, &budget, &copy, 1);
+    velum_result standing = tiles_update(&s->tiles, &context, key.origin, reach_m(s, key.origin, key.sun));
+    record_uploads(e, commands, &context);
+    if (standing < 0) {
+        return standing;
+    }
+    velum_result result = draw(s, commands, &geometry, &key);
+    if (result < 0) {
+        s->drawn = false;
+        return result;
+    }
+    s->key = key;
+    s->geometry = geometry;
+    s->drawn = true;
+    s->incomplete = standing == VELUM_INCOMPLETE;
+    s->last_serial = e->newest_serial;
+    e->newest_shadow = s;
+    return standing;
+}

@@ -1,0 +1,448 @@
+/* A view in a frame: the march at the view's rate, then every pixel. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "blocks.h"
+
+/* Order of the pixels of a block: a dispersed-dot threshold matrix (Bayer 1973), by which any first n are spread. */
+static const uint8_t order_16[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
+static const uint8_t order_4[4] = {0, 3, 1, 2};
+
+/* Samples that a pixel's history counts for at most while the picture moves. */
+#define MOVING_SAMPLES 3.0f
+#define JUMP_S 5.0
+#define EYE_REACH_M 10000.0
+
+/* Van der Corput's sequence in base 2 (1935). */
+static float radical_inverse(uint32_t i) {
+    double x = 0.0;
+    for (double digit = 0.5; i > 0; i >>= 1, digit *= 0.5) {
+        x += (i & 1u) ? digit : 0.0;
+    }
+    return (float)x;
+}
+
+static bool check_axes(checker *check, const velum_view_frame *f) {
+    if (!check_unit(check, "frame.right_ecef", f->right_ecef) || !check_unit(check, "frame.up_ecef", f->up_ecef) ||
+        !check_unit(check, "frame.forward_ecef", f->forward_ecef)) {
+        return false;
+    }
+    const double *r = f->right_ecef, *u = f->up_ecef, *w = f->forward_ecef;
+    double handed =
+        w[0] * (r[1] * u[2] - r[2] * u[1]) + w[1] * (r[2] * u[0] - r[0] * u[2]) + w[2] * (r[0] * u[1] - r[1] * u[0]);
+    if (!(fabs(dot3(r, u)) <= 1e-3 && fabs(dot3(r, w)) <= 1e-3 && fabs(dot3(u, w)) <= 1e-3)) {
+        return check_fail(check, VELUM_ERROR_ARGUMENT, "frame.right_ecef, up_ecef, forward_ecef: not orthogonal");
+    }
+    return handed < 0.0 || check_fail(check, VELUM_ERROR_ARGUMENT,
+                                      "frame.right_ecef, up_ecef, forward_ecef: expected right x up = -forward");
+}
+
+static bool check_frustum(checker *check, const velum_view_frame *f) {
+    const double limit = f->flags & VELUM_VIEW_ORTHOGRAPHIC ? 1e7 : 1e4;
+    if (!check_range(check, "frame.tan_left", (double)f->tan_left, -limit, limit) ||
+        !check_range(check, "frame.tan_right", (double)f->tan_right, -limit, limit) ||
+        !check_range(check, "frame.tan_bottom", (double)f->tan_bottom, -limit, limit) ||
+        !check_range(check, "frame.tan_top", (double)f->tan_top, -limit, limit) ||
+        !check_range(check, "frame.jitter_x", (double)f->jitter_x, -1.0, 1.0) ||
+        !check_range(check, "frame.jitter_y", (double)f->jitter_y, -1.0, 1.0)) {
+        return false;
+    }
+    if (f->tan_left >= f->tan_right || f->tan_bottom >= f->tan_top) {
+        return check_fail(check, VELUM_ERROR_ARGUMENT,
+                          "frame.tan_left..tan_right, tan_bottom..tan_top: found %g..%g, %g..%g, expected to ascend",
+                          (double)f->tan_left, (double)f->tan_right, (double)f->tan_bottom, (double)f->tan_top);
+    }
+    return true;
+}
+
+static bool check_view_frame(checker *check, const view *v, velum_view_frame *f) {
+    const uint32_t known = VELUM_VIEW_CUT | VELUM_VIEW_ORTHOGRAPHIC | VELUM_VIEW_GROUND | VELUM_VIEW_SUN_DISC;
+    if (!check_flags(check, "frame.flags", f->flags, known) || !check_zero(check, "frame.reserved", f->reserved) ||
+        !check_position(check, "frame.position_ecef_m", f->position_ecef_m) || !check_axes(check, f) ||
+        !check_frustum(check, f) ||
+        !check_range(check, "frame.depth_convention", f->depth_convention, VELUM_DEPTH_REVERSED_INFINITE,
+                     VELUM_DEPTH_DISTANCE) ||
+        !check_range(check, "frame.luminance_scale", (double)f->luminance_scale, 0.0, 1e9)) {
+        return false;
+    }
+    f->luminance_scale = f->luminance_scale > 0.0f ? f->luminance_scale : 1.0f;
+    f->width = f->width ? f->width : v->width;
+    f->height = f->height ? f->height : v->height;
+    if (!check_count(check, "frame.width", f->width, 1, v->width) ||
+        !check_count(check, "frame.height", f->height, 1, v->height)) {
+        return false;
+    }
+    double away2 = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double d = f->position_ecef_m[i] - v->eye->position_ecef_m[i];
+        away2 += d * d;
+    }
+    return away2 <= EYE_REACH_M * EYE_REACH_M ||
+           check_fail(check, VELUM_ERROR_ARGUMENT, "frame.position_ecef_m: %.0f m from its eye, expected at most %.0f",
+                      sqrt(away2), EYE_REACH_M);
+}
+
+static bool check_images(checker *check, const velum_view_frame *f, const velum_vulkan_images *images) {
+    if (!check_flags(check, "images.flags", images->flags, 0) ||
+        !check_zero(check, "images.reserved", images->reserved) ||
+        !check_pointer(check, "images.luminance", images->luminance) ||
+        !check_pointer(check, "images.transmittance", images->transmittance) ||
+        !check_count(check, "frame.x + width", (uint64_t)f->x + f->width, 1, images->width) ||
+        !check_count(check, "frame.y + height", (uint64_t)f->y + f->height, 1, images->height) ||
+        !check_count(check, "frame.array_layer", f->array_layer, 0, images->layers ? images->layers - 1 : 0)) {
+        return false;
+    }
+    if (images->format != VK_FORMAT_R16G16B16A16_SFLOAT && images->format != VK_FORMAT_R32G32B32A32_SFLOAT) {
+        return check_fail(check, VELUM_ERROR_ARGUMENT,
+                          "images.format: found %d, expected R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT",
+                          (int)images->format);
+    }
+    if (!images->depth) {
+        return true;
+    }
+    if (images->depth_layout != VK_IMAGE_LAYOUT_GENERAL &&
+        images->depth_layout != VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL) {
+        return check_fail(check, VELUM_ERROR_ARGUMENT,
+                          "images.depth_layout: found %d, expected GENERAL or SHADER_READ_ONLY_OPTIMAL",
+                          (int)images->depth_layout);
+    }
+    if (f->depth_convention == VELUM_DEPTH_DISTANCE) {
+        return true;
+    }
+    if (!check_range(check, "frame.depth_near_m", (double)f->depth_near_m, 1e-6, 1e7)) {
+        return false;
+    }
+    return f->depth_convention == VELUM_DEPTH_REVERSED_INFINITE ||
+           (f->depth_far_m > f->depth_near_m && f->depth_far_m <= 1e12f) ||
+           check_fail(check, VELUM_ERROR_ARGUMENT, "frame.depth_far_m: found %g, expected above depth_near_m %g",
+                      (double)f->depth_far_m, (double)f->depth_near_m);
+}
+
+static camera camera_of(const engine *e, const velum_view_frame *f) {
+    camera c = {.tan = {f->tan_left, f->tan_right, f->tan_bottom, f->tan_top},
+                .flags = f->flags & VELUM_VIEW_ORTHOGRAPHIC,
+                .width = f->width,
+                .height = f->height,
+                .scale = f->luminance_scale,
+                .time_s = e->frame.time_s,
+                .blend = e->weather.blend};
+    memcpy(c.position, f->position_ecef_m, sizeof c.position);
+    memcpy(c.right, f->right_ecef, sizeof c.right);
+    memcpy(c.up, f->up_ecef, sizeof c.up);
+    memcpy(c.forward, f->forward_ecef, sizeof c.forward);
+    memcpy(c.sun, e->frame.sun_direction_ecef, sizeof c.sun);
+    for (int i = 0; i < 2; i++) {
+        c.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
+    }
+    return c;
+}
+
+/* Whether a state has taken the place of another that it was not derived from and that no timeline leads to it. */
+static bool weather_jumped(const engine *e, const camera *before, const camera *now) {
+    for (int i = 0; i < 2; i++) {
+        bool known = false;
+        for (int k = 0; k < 2; k++) {
+            known = known || now->state[i] == before->state[k] ||
+                    (e->weather.base[i] && e->weather.base[i] == before->state[k]);
+        }
+        /* A transition begins with its second state at next to nothing, and ends with its first at next to nothing. */
+        float weight = i == 0 ? 1.0f - now->blend : now->blend;
+        if (!known && weight > 0.1f) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now, uint32_t side) {
+    const camera *before = &v->before;
+    double dt = now->time_s - before->time_s;
+    return !v->has_camera || (f->flags & VELUM_VIEW_CUT) || v->eye->reset || now->width != before->width ||
+           now->height != before->height || now->flags != before->flags || dt < 0.0 || dt > JUMP_S ||
+           v->ray_side != side || weather_jumped(e, before, now);
+}
+
+static bool stands_still(const camera *a, const camera *b) {
+    return memcmp(a->position, b->position, sizeof a->position) == 0 &&
+           memcmp(a->right, b->right, sizeof a->right) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
+           memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->tan, b->tan, sizeof a->tan) == 0 &&
+           memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
+           memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
+}
+
+static void fill_axes(const camera *c, const double origin[3], float right[4], float up[4], float forward[4],
+                      float offset[4]) {
+    for (int i = 0; i < 3; i++) {
+        right[i] = (float)c->right[i];
+        up[i] = (float)c->up[i];
+        forward[i] = (float)c->forward[i];
+        offset[i] = (float)(c->position[i] - origin[i]);
+    }
+    right[3] = c->tan[0];
+    up[3] = c->tan[1];
+    forward[3] = c->tan[2];
+    offset[3] = c->tan[3];
+}
+
+static uint32_t side_of(uint32_t ray_rate) {
+    return ray_rate == 16 ? 4 : ray_rate == 4 ? 2 : 1;
+}
+
+static void fill_view(const view *v, const velum_view_frame *f, const velum_vulkan_images *images, const camera *now,
+                      bool anew, velum_view_block *out) {
+    const eye *y = v->eye;
+    const engine *e = y->e;
+    const velum_plan *plan = &y->plan;
+    memset(out, 0, sizeof *out);
+    const camera *before = anew ? now : &v->before;
+    fill_axes(now, y->position_ecef_m, out->right, out->up, out->forward, out->offset);
+    fill_axes(before, y->position_ecef_m, out->before_right, out->before_up, out->before_forward, out->before_offset);
+    float dt = (float)(now->time_s - before->time_s);
+    for (int i = 0; i < 3; i++) {
+        out->drifted[i] = y->wind_m_s[i] * dt;
+    }
+    out->drifted[3] = now->scale / before->scale;
+    out->scale[0] = now->scale;
+    out->scale[1] = f->jitter_x;
+    out->scale[2] = f->jitter_y;
+    out->scale[3] = anew || stands_still(now, before) ? 0.0f : MOVING_SAMPLES;
+    out->depth[0] = (float)f->depth_convention;
+    out->depth[1] = f->depth_near_m;
+    out->depth[2] = f->depth_far_m;
+    uint32_t side = side_of(plan->ray_rate);
+    uint32_t counter = anew ? 0 : v->counter;
+    const uint32_t size[4] = {f->width, f->height, f->x, f->y};
+    const uint32_t march_size[4] = {(f->width + side - 1) / side, (f->height + side - 1) / side, side, counter};
+    uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) |
+                     (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
+                     (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
+                     (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
+                     (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u);
+    uint32_t cell = side == 4 ? order_16[counter % 16] : side == 2 ? order_4[counter % 4] : 0;
+    const uint32_t frame[4] = {cell, flags, f->array_layer, (uint32_t)e->w->seed};
+    memcpy(out->size, size, sizeof size);
+    memcpy(out->march_size, march_size, sizeof march_size);
+    memcpy(out->frame, frame, sizeof frame);
+    out->march[0] = plan->step_m;
+    out->march[1] = plan->step_growth;
+    out->march[2] = plan->distance_m;
+    /* In the middle of the step at first, then through all of it. */
+    out->march[3] = fmodf(0.5f + radical_inverse(counter / (side * side)), 1.0f);
+    const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, 0};
+    memcpy(out->steps, steps, sizeof steps);
+}
+
+static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
+                           VkDescriptorSet *out) {
+    const pipelines *p = &e->passes;
+    if (!frame_set(e, p->set_view, out)) {
+        return false;
+    }
+    const uint32_t old = v->newest;
+    const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
+    VkImageView no_distance = images->layers ? e->nothing_layered.view : e->nothing.view;
+    const VkDescriptorImageInfo info[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_MARCH_LIGHT] = {VK_NULL_HANDLE, v->march_light.view, general},
+        [VELUM_BIND_MARCH_DISTANCE] = {VK_NULL_HANDLE, v->march_distance.view, general},
+        [VELUM_BIND_MARCH_LIGHT_IN] = {p->linear, v->march_light.view, general},
+        [VELUM_BIND_MARCH_DISTANCE_IN] = {p->nearest, v->march_distance.view, general},
+        [VELUM_BIND_HISTORY_IN] = {p->linear, v->history[old].view, general},
+        [VELUM_BIND_HISTORY_DATA_IN] = {p->nearest, v->history_data[old].view, general},
+        [VELUM_BIND_HISTORY_OUT] = {VK_NULL_HANDLE, v->history[old ^ 1u].view, general},
+        [VELUM_BIND_HISTORY_DATA_OUT] = {VK_NULL_HANDLE, v->history_data[old ^ 1u].view, general},
+        [VELUM_BIND_OUT_LUMINANCE] = {VK_NULL_HANDLE, images->luminance, general},
+        [VELUM_BIND_OUT_TRANSMITTANCE] = {VK_NULL_HANDLE, images->transmittance, general},
+        [VELUM_BIND_OUT_DISTANCE] = {VK_NULL_HANDLE, images->distance ? images->distance : no_distance, general},
+        [VELUM_BIND_DEPTH] = {p->nearest, images->depth ? images->depth : e->air.view,
+                              images->depth ? images->depth_layout : general}};
+    const VkDescriptorBufferInfo block = {e->uniforms.buffer, 0, sizeof(velum_view_block)};
+    const VkDescriptorBufferInfo counters = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 16};
+    static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
+        [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_MARCH_DISTANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_MARCH_LIGHT_IN] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        [VELUM_BIND_MARCH_DISTANCE_IN] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        [VELUM_BIND_HISTORY_IN] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        [VELUM_BIND_HISTORY_DATA_IN] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        [VELUM_BIND_HISTORY_OUT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_HISTORY_DATA_OUT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_OUT_LUMINANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_OUT_TRANSMITTANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_OUT_DISTANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+        [VELUM_BIND_DEPTH] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+        [VELUM_BIND_COUNTERS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+    VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
+    for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
+        bool is_buffer = i == VELUM_BIND_VIEW || i == VELUM_BIND_COUNTERS;
+        writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                           .dstSet = *out,
+                                           .dstBinding = i,
+                                           .descriptorCount = 1,
+                                           .descriptorType = types[i],
+                                           .pImageInfo = is_buffer ? NULL : &info[i],
+                                           .pBufferInfo = !is_buffer             ? NULL
+                                                          : i == VELUM_BIND_VIEW ? &block
+                                                                                 : &counters};
+    }
+    e->g.UpdateDescriptorSets(e->g.device, VELUM_BIND_VIEW_COUNT, writes, 0, NULL);
+    return true;
+}
+
+/* March images for more rays than they have room for; the old ones are buried. */
+static bool grow_march(view *v, uint32_t side) {
+    engine *e = v->eye->e;
+    uint32_t w = (v->width + side - 1) / side;
+    uint32_t h = (v->height + side - 1) / side;
+    if (w <= v->march_light.extent.width && h <= v->march_light.extent.height) {
+        return true;
+    }
+    view *grave = calloc(1, sizeof *grave);
+    gpu_image_desc desc = {.format = VK_FORMAT_R16G16B16A16_SFLOAT,
+                           .type = VK_IMAGE_TYPE_2D,
+                           .view_type = VK_IMAGE_VIEW_TYPE_2D,
+                           .extent = {w, h, 1},
+                           .layers = 1,
+                           .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    gpu_image light = {0};
+    gpu_image distance = {0};
+    bool ok = grave && gpu_image_init(&e->g, &light, &desc);
+    desc.format = VK_FORMAT_R32_SFLOAT;
+    ok = ok && gpu_image_init(&e->g, &distance, &desc);
+    if (!ok) {
+        gpu_image_finish(&e->g, &light);
+        free(grave);
+        return false;
+    }
+    v->bytes += light.allocation.size + distance.allocation.size - v->march_light.allocation.size -
+                v->march_distance.allocation.size;
+    grave->march_light = v->march_light;
+    grave->march_distance = v->march_distance;
+    grave->last_serial = v->last_serial;
+    grave->next = e->dead_views;
+    e->dead_views = grave;
+    v->march_light = light;
+    v->march_distance = distance;
+    return true;
+}
+
+/* What the passes are bound to. */
+typedef struct view_sets {
+    VkDescriptorSet view;
+    uint32_t offsets[3]; /* eye, shadow, view */
+} view_sets;
+
+static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_images *images,
+                      const velum_view_block *block, uint32_t counter) {
+    eye *y = v->eye;
+    engine *e = y->e;
+    velum_eye_block eye_block = y->block;
+    velum_shadow_block shadow_block = {0};
+    const shadow *s = e->bound_shadow;
+    if (s && s->drawn) {
+        blocks_shift_shadow(&s->geometry, y->position_ecef_m, &shadow_block);
+        eye_block.sky[3] = 1.0f;
+    }
+    view_sets sets;
+    if (!frame_uniform(e, &eye_block, sizeof eye_block, &sets.offsets[0]) ||
+        !frame_uniform(e, &shadow_block, sizeof shadow_block, &sets.offsets[1]) ||
+        !frame_uniform(e, block, sizeof *block, &sets.offsets[2])) {
+        e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
+        return false;
+    }
+    if (!write_view_set(e, v, images, counter, &sets.view)) {
+        return false;
+    }
+    VkDescriptorSet both[2] = {y->set, sets.view};
+    e->g.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_view, 0, 2, both, 3,
+                               sets.offsets);
+    return true;
+}
+
+static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered,
+                          uint32_t counter, uint32_t query) {
+    engine *e = v->eye->e;
+    gpu *g = &e->g;
+    const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    const VkAccessFlags2 read = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+    const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    const VkDeviceSize at = (VkDeviceSize)counter * COUNTER_STRIDE;
+    /* The frame before read what is written now. */
+    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, write, compute | VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute, read | write);
+    frame_timestamp(e, commands, query);
+    record_dispatch(e, commands, PASS_MARCH, block->march_size[0], block->march_size[1]);
+    gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
+                read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
+    frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
+    record_dispatch(e, commands, layered ? PASS_RESOLVE_LAYERED : PASS_RESOLVE, block->size[0], block->size[1]);
+    frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
+    VkBufferCopy copy = {at, at, 16};
+    g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &copy);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
+                VK_ACCESS_2_HOST_READ_BIT);
+}
+
+velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
+                         const velum_vulkan_images *images) {
+    eye *y = v->eye;
+    engine *e = y->e;
+    checker check = {&e->sink, v->name, "record_view", VELUM_OK};
+    velum_view_frame f;
+    velum_vulkan_images im;
+    if (e->state != ENGINE_SHARED || y->frame != e->frames || v->frame == e->frames) {
+        check_fail(&check, VELUM_ERROR_STATE, "%s",
+                   e->state != ENGINE_SHARED ? "record_shared comes first"
+                   : y->frame != e->frames   ? "record_shared did not name its eye"
+                                             : "called twice in a frame");
+        return check.result;
+    }
+    if (!check_pointer(&check, "commands", commands) ||
+        !check_in(&check, "frame", &f, sizeof f, frame, V1_VIEW_FRAME) ||
+        !check_in(&check, "images", &im, sizeof im, images, V1_VULKAN_IMAGES) || !check_view_frame(&check, v, &f) ||
+        !check_images(&check, &f, &im)) {
+        return check.result;
+    }
+    frame_slot *slot = e->now;
+    uint32_t side = side_of(y->plan.ray_rate);
+    if (slot->record_count == FRAME_RECORDS) {
+        check_fail(&check, VELUM_ERROR_OUT_OF_MEMORY, "more than %u views in a frame", FRAME_RECORDS);
+        return check.result;
+    }
+    if (!grow_march(v, side)) {
+        return gpu_result(&e->g);
+    }
+    camera now = camera_of(e, &f);
+    bool anew = starts_anew(e, v, &f, &now, side);
+    velum_view_block block;
+    fill_view(v, &f, &im, &now, anew, &block);
+    uint32_t counter = slot->record_count;
+    if (!bind_view(v, commands, &im, &block, counter)) {
+        return gpu_result(&e->g);
+    }
+    gpu_image *own[] = {&v->march_light, &v->march_distance,  &v->history[0],
+                        &v->history[1],  &v->history_data[0], &v->history_data[1]};
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
+        gpu_image_make_general(&e->g, commands, own[i]);
+    }
+    uint32_t query = frame_queries(e, 3);
+    record_passes(v, commands, &block, im.layers != 0, counter, query);
+    slot->record[slot->record_count++] = (frame_record){.v = v,
+                                                        .query = query,
+                                                        .stats = {.incomplete = y->incomplete,
+                                                                  .frame = e->newest_serial,
+                                                                  .revision = e->weather.revision,
+                                                                  .weather_bytes = engine_weather_bytes(e),
+                                                                  .view_bytes = v->bytes}};
+    v->newest ^= 1u;
+    v->counter = anew ? 1 : v->counter + 1;
+    v->before = now;
+    v->has_camera = true;
+    v->ray_side = side;
+    v->frame = e->frames;
+    v->last_serial = e->newest_serial;
+    return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;
+}
