@@ -55,10 +55,6 @@ float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fi
     return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, point_m);
 }
 
-bool core_cloud_shows_fine(uint32_t slot, double footprint_m) {
-    return footprint_m < 0.06 * (double)velum_noise_of((int)slot).fine_period_m;
-}
-
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine) {
     if (fields->coverage <= 0.0f || height_m < fields->base_m || height_m > fields->top_m) {
@@ -69,7 +65,10 @@ float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fiel
     }
     const float foot[3] = {point_m[0] - normal[0] * height_m, point_m[1] - normal[1] * height_m,
                            point_m[2] - normal[2] * height_m};
-    return velum_slot_extinction(cloud->slot, *fields, height_m, core_cloud_rank(cloud, fields, foot),
-                                 core_cloud_lump(cloud, fields, point_m),
+    float rank = core_cloud_rank(cloud, fields, foot);
+    if (velum_excess(velum_profile_of(cloud->slot, *fields), fields->coverage, rank) <= 0.0f) {
+        return 0.0f;
+    }
+    return velum_slot_extinction(cloud->slot, *fields, height_m, rank, core_cloud_lump(cloud, fields, point_m),
                                  fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
 }

@@ -28,9 +28,6 @@ float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fi
 float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 
-/* Whether details of `footprint_m` show the fine noise of a slot; else it counts as 0.5. */
-bool core_cloud_shows_fine(uint32_t slot, double footprint_m);
-
 /* Extinction at a point, 1/m; `fine`: with fine detail. */
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine);

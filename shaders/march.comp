@@ -222,7 +222,7 @@ void main() {
             advance = 0.0;
             float lump = lump_noise(slot, f, r);
             float fine = 0.5;
-            if (at * 0.0012 < 0.06 / eye.slots[slot].fine_0.w) {
+            if (velum_shows_fine(at, eye.slots[slot].fine_0.w)) {
                 fine = fine_noise(slot, f, r);
             }
             float extinction = f.extinction_1_m * velum_body(profile, e, z, h - f.base_m, lump, fine);

@@ -4,6 +4,10 @@
 
 #include "density.h"
 
+#ifndef VULKAN
+#include <stdbool.h>
+#endif
+
 /* Two drift phases' ranks in one. w0 r0 + w1 r1 of two uniform numbers has a trapezoid for a density; its distribution
  * function makes it uniform again, so coverage stays what it is while the phases fade. */
 VELUM_FN float velum_rank_mix(float r0, float r1, float w1) {
@@ -66,6 +70,11 @@ VELUM_FN velum_slot_fields velum_fields_of_texels(float a0, float a1, float a2, 
     f.wind_z_m_s = velum_texel_wind_m_s(b2);
     f.kind = b3;
     return f;
+}
+
+/* Whether a pixel so far away shows the fine noise at all; elsewhere it counts as 0.5. */
+VELUM_FN bool velum_shows_fine(float distance_m, float period_inv_1_m) {
+    return distance_m * period_inv_1_m < 50.0f;
 }
 
 VELUM_STRUCT(velum_noise_point) {

@@ -1,0 +1,164 @@
+#include "oracle_cursor.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geodesy.h"
+#include "shared/tile_address.h"
+
+/* Beyond this from where its phases were formed, noise is found from a new origin: floats stay within millimetres. */
+#define NOISE_REACH_M 16000.0
+
+void oracle_cursor_init(oracle_cursor *cursor, const core_oracle *oracle, double footprint_m) {
+    memset(cursor, 0, sizeof *cursor);
+    cursor->oracle = oracle;
+    cursor->distance_m = fmin(fmax(footprint_m / CORE_ORACLE_PIXEL_RAD, 0.0), 1e9);
+    cursor->level = velum_tile_level((float)cursor->distance_m, oracle->detail);
+    cursor->key = VELUM_TILE_KEY_NONE;
+    cursor->data_key = VELUM_TILE_KEY_NONE;
+}
+
+static void drop_tiles(oracle_cursor *cursor) {
+    for (int s = 0; s < 2; s++) {
+        core_tile_unref(cursor->tile[s]);
+        cursor->tile[s] = NULL;
+    }
+}
+
+void oracle_cursor_finish(oracle_cursor *cursor) {
+    drop_tiles(cursor);
+}
+
+static bool blends(const core_oracle *oracle) {
+    return oracle->state[0] != oracle->state[1];
+}
+
+static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
+    const core_oracle *oracle = cursor->oracle;
+    drop_tiles(cursor);
+    cursor->data_key = data_key;
+    cursor->min_base_m = 1e9f;
+    cursor->max_top_m = -1e9f;
+    for (int s = 0; s < (blends(oracle) ? 2 : 1); s++) {
+        if (!oracle->state[s]) {
+            continue;
+        }
+        cursor->tile[s] = oracle->tile(oracle->tile_context, oracle->state[s], data_key);
+        if (!cursor->tile[s]) {
+            cursor->result = VELUM_ERROR_OUT_OF_MEMORY;
+            continue;
+        }
+        for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+            if (cursor->tile[s]->mask & (1u << slot)) {
+                cursor->min_base_m = fminf(cursor->min_base_m, cursor->tile[s]->slot[slot].min_base_m);
+                cursor->max_top_m = fmaxf(cursor->max_top_m, cursor->tile[s]->slot[slot].max_top_m);
+            }
+        }
+    }
+}
+
+/* The tile that holds the fields of both states, as core_tile_set_init chooses it. */
+static uint32_t data_key_of(const core_oracle *oracle, uint32_t key) {
+    uint32_t level = 0;
+    for (int s = 0; s < (blends(oracle) ? 2 : 1); s++) {
+        if (oracle->state[s]) {
+            uint32_t own = core_tile_detail_level(oracle->state[s], key);
+            level = own > level ? own : level;
+        }
+    }
+    return core_tile_ancestor(key, level);
+}
+
+/* Height and normal by the scaled sphere (DESIGN 2), as velum_place_at, in double. */
+static void set_place(oracle_place *place, const double ecef_m[3]) {
+    memcpy(place->ecef_m, ecef_m, sizeof place->ecef_m);
+    place->height_m = core_height_scaled(ecef_m);
+    double stretch = (CORE_WGS84_A_M + place->height_m) / (CORE_WGS84_A_M * (1.0 - CORE_WGS84_E2) + place->height_m);
+    double z = ecef_m[2] * stretch;
+    double norm = 1.0 / sqrt(fmax(ecef_m[0] * ecef_m[0] + ecef_m[1] * ecef_m[1] + z * z, 1.0));
+    place->normal[0] = ecef_m[0] * norm;
+    place->normal[1] = ecef_m[1] * norm;
+    place->normal[2] = z * norm;
+}
+
+oracle_place oracle_cursor_move(oracle_cursor *cursor, const double ecef_m[3]) {
+    oracle_place place = {0};
+    set_place(&place, ecef_m);
+    velum_face_place face = velum_face_of((float)place.normal[0], (float)place.normal[1], (float)place.normal[2]);
+    float x = velum_tile_coordinate(face.u, cursor->level);
+    float y = velum_tile_coordinate(face.v, cursor->level);
+    uint32_t key = velum_tile_key(cursor->level, (uint32_t)face.face, (uint32_t)x, (uint32_t)y);
+    if (key != cursor->key && cursor->result == VELUM_OK) {
+        uint32_t data_key = data_key_of(cursor->oracle, key);
+        if (data_key != cursor->data_key) {
+            take_tiles(cursor, data_key);
+        }
+        cursor->key = key;
+    }
+    if (cursor->result != VELUM_OK) {
+        return place;
+    }
+    float scale = 1.0f / (float)(1u << (cursor->level - velum_tile_key_level(cursor->data_key)));
+    place.s = velum_fract(x * scale);
+    place.t = velum_fract(y * scale);
+
+    double moved2 = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double moved = ecef_m[axis] - cursor->noise_origin_m[axis];
+        moved2 += moved * moved;
+    }
+    if (!cursor->has_noise || moved2 > NOISE_REACH_M * NOISE_REACH_M) {
+        memcpy(cursor->noise_origin_m, ecef_m, sizeof cursor->noise_origin_m);
+        for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+            cursor->noise[slot] = core_cloud_noise_at(cursor->oracle->noise, slot, ecef_m, &cursor->oracle->drift);
+        }
+        cursor->has_noise = true;
+    }
+    return place;
+}
+
+uint32_t oracle_cursor_mask(const oracle_cursor *cursor) {
+    uint32_t mask = 0;
+    for (int s = 0; s < 2 && cursor->result == VELUM_OK; s++) {
+        mask |= cursor->tile[s] ? cursor->tile[s]->mask : 0u;
+    }
+    return mask;
+}
+
+velum_slot_fields oracle_cursor_fields(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    velum_slot_fields fields[2] = {{0}};
+    for (int s = 0; s < 2; s++) {
+        if (cursor->tile[s] && cursor->result == VELUM_OK) {
+            fields[s] = core_tile_sample(cursor->tile[s], slot, place->s, place->t);
+        }
+    }
+    return blends(cursor->oracle) ? velum_fields_mix(fields[0], fields[1], cursor->oracle->blend) : fields[0];
+}
+
+float oracle_cursor_extinction(oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    if (cursor->result != VELUM_OK || place->height_m < (double)cursor->min_base_m ||
+        place->height_m > (double)cursor->max_top_m) {
+        return 0.0f;
+    }
+    velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
+    float point[3];
+    float normal[3];
+    for (int axis = 0; axis < 3; axis++) {
+        point[axis] = (float)(place->ecef_m[axis] - cursor->noise_origin_m[axis]);
+        normal[axis] = (float)place->normal[axis];
+    }
+    const core_cloud_noise *noise = &cursor->noise[slot];
+    bool fine = velum_shows_fine((float)cursor->distance_m, noise->phases.fine[0][3]);
+    return core_cloud_extinction(noise, &fields, point, normal, (float)place->height_m, fine);
+}
+
+float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place) {
+    float total = 0.0f;
+    uint32_t mask = oracle_cursor_mask(cursor);
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (mask & (1u << slot)) {
+            total += oracle_cursor_extinction(cursor, place, slot);
+        }
+    }
+    return total;
+}
