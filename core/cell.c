@@ -192,6 +192,25 @@ static void frame_at(double lat_deg, double lon_deg, double east[3], double nort
     north[2] = cos(lat_deg * CORE_DEG);
 }
 
+/* A polygon's own place: the mean of its vertices on the sphere. */
+static void middle_of(const velum_cell *cell, double normal[3]) {
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (uint32_t i = 0; i < cell->point_count; i++) {
+        core_normal(cell->points[i].lat_deg, cell->points[i].lon_deg, normal);
+        for (int k = 0; k < 3; k++) {
+            sum[k] += normal[k] / cell->point_count;
+        }
+    }
+    double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    if (length < 1e-6) {
+        core_normal(cell->points[0].lat_deg, cell->points[0].lon_deg, normal);
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
+        normal[k] = sum[k] / length;
+    }
+}
+
 typedef struct frame {
     bool global;
     double east[3], north[3];
@@ -326,29 +345,44 @@ velum_result core_cell_read(core_cell_reading *reading, const velum_cell *cell, 
         core_slots_assign(layers, own->layer_count, &reading->layers);
     }
     frame at = {.global = !grid_node && own->kind == VELUM_CELL_GLOBAL};
-    frame_at(lat_deg, lon_deg, at.east, at.north);
+    if (!grid_node && own->kind == VELUM_CELL_POLYGON) {
+        double middle[3];
+        middle_of(own, middle);
+        lat_deg = core_normal_lat_deg(middle);
+        lon_deg = core_normal_lon_deg(middle);
+    }
+    if (!at.global) {
+        frame_at(lat_deg, lon_deg, at.east, at.north);
+    }
     make_slots(reading, &at);
     make_surface(reading, &at);
     return VELUM_OK;
 }
 
-static double arc_deg_m(double degrees) {
-    return degrees * CORE_DEG * CORE_RADIUS_M;
-}
-
-static void set_cap(core_cell *cell) {
+static void set_cap(core_cell *cell, const velum_cell *from) {
     memcpy(cell->cap_normal, cell->normal, sizeof cell->cap_normal);
     if (cell->kind == VELUM_CELL_STATION) {
         cell->reach_m = cell->radius_m * 1.01;
     } else if (cell->kind == VELUM_CELL_RECTANGLE) {
         cell->reach_m = (hypot(cell->half_east_m, cell->half_north_m) + cell->transition_m + cell->breadth_m) * 1.01;
     } else if (cell->kind == VELUM_CELL_POLYGON) {
-        core_lat_lon_box box = core_polygon_box(cell->polygon);
-        core_normal(0.5 * (box.south + box.north), 0.5 * (box.west + box.east), cell->cap_normal);
-        double least = fmin(fabs(box.south), fabs(box.north));
-        double widest = box.south <= 0.0 && box.north >= 0.0 ? 1.0 : cos(least * CORE_DEG);
-        double half = 0.5 * hypot(arc_deg_m(box.east - box.west) * widest, arc_deg_m(box.north - box.south));
-        cell->reach_m = (half + cell->transition_m + cell->breadth_m) * 1.02;
+        double farthest_m = 0.0;
+        middle_of(from, cell->cap_normal);
+        for (uint32_t i = 0; i < from->point_count; i++) {
+            double normal[3];
+            double chord2 = 0.0;
+            core_normal(from->points[i].lat_deg, from->points[i].lon_deg, normal);
+            for (int k = 0; k < 3; k++) {
+                chord2 += (normal[k] - cell->cap_normal[k]) * (normal[k] - cell->cap_normal[k]);
+            }
+            farthest_m = fmax(farthest_m, 2.0 * CORE_RADIUS_M * asin(fmin(0.5 * sqrt(chord2), 1.0)));
+        }
+        farthest_m += 0.5 * core_polygon_longest_edge_m(cell->polygon);
+        cell->reach_m = (farthest_m + cell->transition_m + cell->breadth_m) * 1.02;
+        /* A boundary that spans this much may have the rest of the planet inside. */
+        if (farthest_m > 8e6) {
+            cell->reach_m = 1e9;
+        }
     } else {
         cell->reach_m = 1e9;
     }
@@ -406,7 +440,7 @@ velum_result core_cell_create(const velum_cell *from, core_cell **out, core_erro
         cell->transition_m = own->transition_m;
         cell->breadth_m = core_polygon_breadth_m(cell->polygon);
     }
-    set_cap(cell);
+    set_cap(cell, own);
     cell->fields = reading.fields;
     cell->uniform[0] = reading.layers.slot[VELUM_SLOT_UNIFORM];
     cell->uniform[1] = reading.layers.slot[VELUM_SLOT_UNIFORM_2];

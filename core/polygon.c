@@ -213,10 +213,6 @@ void core_polygon_destroy(core_polygon *polygon) {
     }
 }
 
-core_lat_lon_box core_polygon_box(const core_polygon *polygon) {
-    return polygon->box;
-}
-
 size_t core_polygon_bytes(const core_polygon *polygon) {
     return sizeof *polygon + (polygon->band_count + 1) * sizeof *polygon->band_start +
            polygon->band_start[polygon->band_count] * sizeof *polygon->edges;

@@ -18,7 +18,6 @@ typedef struct core_lat_lon_box {
 core_polygon *core_polygon_create(const velum_lat_lon *points, const uint32_t *ring_sizes, uint32_t ring_count);
 void core_polygon_destroy(core_polygon *polygon);
 
-core_lat_lon_box core_polygon_box(const core_polygon *polygon);
 size_t core_polygon_bytes(const core_polygon *polygon);
 /* Area over perimeter, m: at most the inradius (half the width of a strip, a quarter of a square's side). */
 double core_polygon_breadth_m(const core_polygon *polygon);

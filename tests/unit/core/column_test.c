@@ -303,6 +303,7 @@ static void polygon_edges_are_straight_in_latitude_and_longitude(void **unused) 
 static void a_region_over_the_antimeridian_has_no_line(void **unused) {
     (void)unused;
     velum_layer layer = layer_of(VELUM_GENUS_AS, 1.0f, 3000.0f, 4000.0f);
+    layer.wind_east_m_s = 30.0f;
     /* Split as RFC 7946 says; the eastern part reaches farther north. */
     const velum_lat_lon points[] = {{-20.0, 175.0},  {-20.0, 180.0},  {-10.0, 180.0}, {-10.0, 175.0},
                                     {-20.0, -180.0}, {-20.0, -175.0}, {-5.0, -175.0}, {-5.0, -180.0}};
@@ -321,6 +322,8 @@ static void a_region_over_the_antimeridian_has_no_line(void **unused) {
         assert_float_equal(coverage_at(state, VELUM_SLOT_MIDDLE, lat, 180.0, 500.0), 1.0f, 1e-5f);
         assert_float_equal(coverage_at(state, VELUM_SLOT_MIDDLE, lat, -180.0, 500.0), 1.0f, 1e-5f);
     }
+    /* East is east there: towards -y. */
+    assert_float_equal(column_at(state, -15.0, 180.0, 500.0).slot[VELUM_SLOT_MIDDLE].wind_y_m_s, -30.0f, 0.1f);
     /* Where only one part reaches, the antimeridian is its edge. */
     assert_float_equal(coverage_at(state, VELUM_SLOT_MIDDLE, -7.0, 180.0, 500.0), 0.5f, 1e-3f);
     assert_float_equal(coverage_at(state, VELUM_SLOT_MIDDLE, -7.0, 179.9, 500.0), 0.0f, 1e-6f);

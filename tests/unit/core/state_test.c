@@ -2,6 +2,7 @@
 
 #include "core/column.h"
 #include "core/geodesy.h"
+#include "core/tile.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -362,6 +363,108 @@ static void a_state_knows_what_is_in_it(void **unused) {
     core_state_unref(state);
 }
 
+/* A number that is ordinary, at a limit, or absurd. */
+static double odd_number(uint64_t *seed, double low, double high) {
+    const double absurd[] = {(double)NAN, (double)INFINITY, -1e300, 1e-300, -0.0, 4294967296.0};
+    double pick = random_unit(seed);
+    if (pick < 0.004) {
+        return absurd[(size_t)(6.0 * random_unit(seed))];
+    }
+    return pick < 0.1 ? low : pick < 0.2 ? high : low + (high - low) * random_unit(seed);
+}
+
+/* Whatever numbers come: a refusal that names a cell, or a state whose every column and tile is in order. */
+static void random_states_are_refused_or_sound(void **unused) {
+    (void)unused;
+    enum { CELLS = 6, POINTS = 12 };
+    uint64_t seed = 99;
+    uint32_t accepted = 0;
+    uint32_t rejected = 0;
+    for (int round = 0; round < 1500; round++) {
+        velum_layer layers[CELLS][2];
+        velum_lat_lon points[CELLS][POINTS];
+        uint32_t rings[2] = {4, POINTS - 4};
+        velum_cell cells[CELLS];
+        for (uint32_t c = 0; c < CELLS; c++) {
+            for (uint32_t l = 0; l < 2; l++) {
+                velum_layer *layer = &layers[c][l];
+                *layer =
+                    layer_of(1 + (int32_t)(10.0 * random_unit(&seed)), (float)odd_number(&seed, 0.0, 1.0),
+                             (float)odd_number(&seed, -500.0, 10000.0), (float)odd_number(&seed, 10001.0, 25000.0));
+                layer->water_g_m3 = (float)odd_number(&seed, 0.0, 20.0);
+                layer->radius_um = (float)odd_number(&seed, 0.5, 500.0);
+                layer->wind_east_m_s = (float)odd_number(&seed, -90.0, 90.0);
+                layer->wind_north_m_s = (float)odd_number(&seed, -90.0, 90.0);
+                layer->flags = random_unit(&seed) < 0.1 ? VELUM_LAYER_UNIFORM : 0;
+            }
+            for (uint32_t i = 0; i < POINTS; i++) {
+                points[c][i].lat_deg = odd_number(&seed, -90.0, 90.0);
+                points[c][i].lon_deg = odd_number(&seed, -180.0, random_unit(&seed) < 0.5 ? 180.0 : 360.0);
+            }
+            velum_cell *cell = &cells[c];
+            *cell = cell_of(1 + (int32_t)(4.0 * random_unit(&seed)), c, layers[c], 2);
+            cell->flags |= (uint32_t)(64.0 * random_unit(&seed)) & ~(uint32_t)VELUM_CELL_HAS_TEMPERATURE;
+            cell->lat_deg = odd_number(&seed, -90.0, 90.0);
+            cell->lon_deg = odd_number(&seed, -180.0, 360.0);
+            cell->radius_m = odd_number(&seed, 1000.0, 500000.0);
+            cell->half_east_m = odd_number(&seed, 1.0, 5e6);
+            cell->half_north_m = odd_number(&seed, 1.0, 5e6);
+            cell->corner_radius_m = odd_number(&seed, 0.0, 1.0);
+            cell->rotation_deg = odd_number(&seed, -360.0, 360.0);
+            cell->transition_m = odd_number(&seed, 0.0, 5e6);
+            cell->visibility_m = (float)odd_number(&seed, 1.0, 1e6);
+            cell->points = points[c];
+            cell->point_count = POINTS;
+            cell->ring_sizes = rings;
+            cell->ring_count = 2;
+        }
+        velum_state_desc desc = desc_of(cells, CELLS);
+        core_state *state = NULL;
+        core_error error = {0};
+        desc.geoid_undulation_m = (float)odd_number(&seed, -200.0, 200.0);
+        if (core_state_create(&desc, NULL, 1, &state, &error) != VELUM_OK) {
+            assert_non_null(strstr(error.text, "expected"));
+            assert_null(state);
+            rejected++;
+            continue;
+        }
+        accepted++;
+        for (int i = 0; i < 40; i++) {
+            core_column c;
+            double n[3];
+            core_normal(odd_number(&seed, -90.0, 90.0) * 0.999, 360.0 * random_unit(&seed), n);
+            if (!(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 0.99)) {
+                continue;
+            }
+            core_column_at(state, n, 76.0 * pow(2.0, i % 13), &c);
+            assert_true(isfinite(c.surface.visibility_m) && c.surface.visibility_m >= 0.99f);
+            for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+                const velum_slot_fields *f = &c.slot[slot];
+                if (c.mask & (1u << slot)) {
+                    assert_true(f->coverage > 0.0f && f->coverage <= 1.0f);
+                    assert_true(f->base_m >= -701.0f && f->top_m <= 25201.0f && f->base_m < f->top_m);
+                    assert_true(f->extinction_1_m > 0.0f && f->extinction_1_m < 100.0f);
+                    assert_true(fabsf(f->wind_x_m_s) <= 128.1f && f->kind >= 0.0f && f->kind <= 1.001f);
+                }
+            }
+        }
+        if (round % 8 == 0) {
+            for (uint32_t level = 0; level <= VELUM_TILE_LEVEL_MAX; level += 3) {
+                uint32_t key = velum_tile_key(level, (uint32_t)(6.0 * random_unit(&seed)),
+                                              (uint32_t)(random_unit(&seed) * (1u << level)),
+                                              (uint32_t)(random_unit(&seed) * (1u << level)));
+                core_tile *tile = core_tile_create(state, key);
+                assert_non_null(tile);
+                assert_true(core_tile_detail_level(state, key) <= level);
+                core_tile_unref(tile);
+            }
+        }
+        core_state_unref(state);
+    }
+    assert_true(accepted > 300);
+    assert_true(rejected > 100);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hostile_layers_are_refused_by_name),
@@ -371,6 +474,7 @@ int main(void) {
         cmocka_unit_test(larger_structs_of_later_hosts_are_read),
         cmocka_unit_test(changes_leave_the_base_as_it_was),
         cmocka_unit_test(a_state_knows_what_is_in_it),
+        cmocka_unit_test(random_states_are_refused_or_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
