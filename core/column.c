@@ -235,10 +235,10 @@ static void add_stations(const core_state *state, const double normal[3], uint32
     uint32_t at = state->stations.start[bin];
     uint32_t end = state->stations.start[bin + 1];
     while (at < end) {
-        int32_t priority = state->cells[state->stations.items[at]]->priority;
+        int32_t priority = state->station_points[at].priority;
         bool any = false;
         mixture mix;
-        for (; at < end && state->cells[state->stations.items[at]]->priority == priority; at++) {
+        for (; at < end && state->station_points[at].priority == priority; at++) {
             const core_station_point *point = &state->station_points[at];
             float dx = point->normal[0] - n[0];
             float dy = point->normal[1] - n[1];

@@ -107,6 +107,7 @@ static bool make_station_points(core_state *state) {
         for (int axis = 0; axis < 3; axis++) {
             point->normal[axis] = (float)cell->normal[axis];
         }
+        point->priority = cell->priority;
         point->chord2 = (float)((chord + 1e-6) * (chord + 1e-6));
     }
     return true;

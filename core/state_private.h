@@ -19,6 +19,7 @@ typedef struct core_index {
 typedef struct core_station_point {
     float normal[3];
     float chord2; /* rounded up */
+    int32_t priority;
 } core_station_point;
 
 struct core_state {
