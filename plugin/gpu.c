@@ -216,7 +216,9 @@ const velum_vulkan_requirements *gpu_requirements(void) {
     static const VkPhysicalDeviceVulkan12Features features12 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
     static const VkPhysicalDeviceVulkan13Features features13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, .synchronization2 = VK_TRUE};
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+        .synchronization2 = VK_TRUE,
+        .maintenance4 = VK_TRUE};
     static const velum_vulkan_requirements requirements = {.struct_size = sizeof requirements,
                                                            .api_version = VK_API_VERSION_1_3,
                                                            .features = &features,
@@ -264,6 +266,8 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
         missing = "the feature shaderStorageImageExtendedFormats";
     } else if (!features13.synchronization2) {
         missing = "the feature synchronization2";
+    } else if (!features13.maintenance4) {
+        missing = "the feature maintenance4";
     } else if (!(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) ||
                !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT)) {
         missing = "subgroup arithmetic in compute shaders";

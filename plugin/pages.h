@@ -7,7 +7,7 @@
 #include "core/tile.h"
 #include "gpu.h"
 
-enum { PAGES_MAX = 2048, PAGES_NAMES = 1 << 14, PAGES_BUCKETS = 4096 };
+enum { PAGES_MAX = 1792, PAGES_NAMES = 1 << 14, PAGES_BUCKETS = 4096 };
 
 typedef struct page_entry {
     uint64_t contents; /* 0: empty */

@@ -369,10 +369,11 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkDeviceSize at = (VkDeviceSize)counter * COUNTER_STRIDE;
     /* The frame before read what is written now. */
-    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, write, compute | VK_PIPELINE_STAGE_2_CLEAR_BIT,
-                read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, write,
+                compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
-    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute, read | write);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
+                read | write);
     frame_timestamp(e, commands, query);
     record_dispatch(e, commands, PASS_MARCH, block->march_size[0], block->march_size[1]);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
