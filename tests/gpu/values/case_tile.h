@@ -9,6 +9,6 @@ CASE(case_tile) {
     OUT_UINT(1, velum_tile_level(IN_FLOAT(3), IN_FLOAT(4)));
     OUT_FLOAT(2, place.u);
     OUT_FLOAT(3, place.v);
-    OUT_FLOAT(4, velum_tile_coordinate(place.u, IN_UINT(5)));
-    OUT_FLOAT(5, velum_tile_coordinate(place.v, IN_UINT(5)));
+    OUT_FLOAT(4, velum_tile_coordinate(place.u, IN_UINT(5)) / VELUM_TO_FLOAT(1u << IN_UINT(5)));
+    OUT_FLOAT(5, velum_tile_coordinate(place.v, IN_UINT(5)) / VELUM_TO_FLOAT(1u << IN_UINT(5)));
 }
