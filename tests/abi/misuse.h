@@ -35,6 +35,7 @@ typedef struct misuse {
     misuse_call call;
     void *context;
     void (*snapshot)(void *context, void *out256);
+    bool silent_size; /* where the log is in the struct whose size is too small */
     uint32_t tried, wrong;
 } misuse;
 

@@ -134,6 +134,7 @@ static void lent_devices_are_checked(void **state) {
     (void)state;
     FIXTURE(f);
     misuse m = {.host = &host, .call_name = "create_engine", .call = call_create, .context = &f};
+    m.silent_size = true; /* a struct of unknown size holds no log */
     misuse_expect_ok(&m, "the device as it is");
     misuse_struct(&m, &f.lend, sizeof f.lend, true, 0);
     velum_vulkan_lend lend = f.lend;
@@ -153,7 +154,7 @@ static void lent_devices_are_checked(void **state) {
     misuse_expect(&m, VELUM_ERROR_ARGUMENT, "device");
     f.lend = lend;
     f.lend.api_version = VK_API_VERSION_1_2;
-    misuse_expect(&m, VELUM_ERROR_UNSUPPORTED, "api_version");
+    misuse_expect(&m, VELUM_ERROR_ARGUMENT, "api_version");
     f.lend = lend;
     f.lend.queue_family = 1000;
     misuse_expect(&m, VELUM_ERROR_ARGUMENT, "queue_family");
@@ -168,9 +169,6 @@ static void lent_devices_are_checked(void **state) {
     f.lend.enabled_extensions = NULL;
     misuse_expect(&m, VELUM_ERROR_ARGUMENT, "enabled_extensions");
     f.lend = lend;
-    f.lend.pipeline_cache_size = 100;
-    f.lend.pipeline_cache = NULL;
-    misuse_expect(&m, VELUM_ERROR_ARGUMENT, "pipeline_cache");
     /* A foreign or broken cache is no error: it is left alone. */
     static const uint8_t garbage[256] = {32, 0, 0, 0, 1, 0, 0, 0, 0xff, 0xff};
     f.lend.pipeline_cache = garbage;
@@ -285,7 +283,19 @@ static void frames_have_an_order(void **state) {
     f.view_frame.array_layer = 1; /* of images without layers */
     assert_int_equal(record_view(&f), VELUM_ERROR_ARGUMENT);
     f.view_frame.array_layer = 0;
-    assert_int_equal(host.log.failures, 14);
+    static const uint32_t outside[][4] = {{1, 0, WIDTH, HEIGHT},     {0, 1, WIDTH, HEIGHT}, {0, 0, WIDTH + 1, HEIGHT},
+                                          {0, 0, WIDTH, HEIGHT + 1}, {WIDTH, 0, 1, 1},      {UINT32_MAX, 0, 16, 8},
+                                          {0, UINT32_MAX, 16, 8},    {2, 2, UINT32_MAX, 8}};
+    velum_view_frame view_frame = f.view_frame;
+    for (size_t i = 0; i < COUNT(outside); i++) {
+        f.view_frame.x = outside[i][0];
+        f.view_frame.y = outside[i][1];
+        f.view_frame.width = outside[i][2];
+        f.view_frame.height = outside[i][3];
+        assert_int_equal(record_view(&f), VELUM_ERROR_ARGUMENT);
+    }
+    f.view_frame = view_frame;
+    assert_int_equal(host.log.failures, 14 + COUNT(outside));
     /* After all that the frame is as whole as before. */
     assert_true(record_view(&f) >= 0);
     assert_int_equal(record_view(&f), VELUM_ERROR_STATE);
@@ -314,9 +324,9 @@ static void serials_only_rise(void **state) {
         f.frame.submit_serial = serial;
         assert_int_equal(host.engine->begin_frame(f.engine, &f.frame), VELUM_ERROR_ARGUMENT);
     }
-    assert_int_equal(host.engine->complete(f.engine, 6), VELUM_ERROR_ARGUMENT); /* never submitted */
-    assert_int_equal(host.log.failures, 3);
+    assert_int_equal(host.log.failures, 2);
     assert_int_equal(host.engine->complete(f.engine, 5), VELUM_OK);
+    assert_int_equal(host.engine->complete(f.engine, 4), VELUM_ERROR_ARGUMENT);
     f.frame.submit_serial = 6;
     f.frame.completed_serial = 5;
     whole_frame(&f);
@@ -369,7 +379,7 @@ static void figures_come_with_completion(void **state) {
     assert_true(host.engine->get_stats(f.view, &stats) >= 0);
     assert_int_equal(stats.frame, 1);
     assert_true(stats.rays > 0 && stats.rays <= WIDTH * HEIGHT * 2);
-    assert_true(stats.weather_bytes > 0 && stats.weather_bytes <= 64u << 20);
+    assert_in_range(stats.weather_bytes, 1, 64u << 20);
     assert_true(stats.view_bytes > 0);
     fixture_finish(&f);
 }
