@@ -31,6 +31,7 @@
 #define VELUM_TEXEL_HEIGHT_MIN_M (-1000.0f)
 #define VELUM_TEXEL_HEIGHT_RANGE_M 27000.0f
 #define VELUM_TEXEL_WIND_RANGE_M_S 128.0f /* each component within +-this */
+#define VELUM_TEXEL_WIND_ZERO (32768.0f / 65535.0f) /* a value that texels can hold: calm air is calm */
 #define VELUM_TEXEL_LOG2_EXTINCTION_MIN (-24.0f)
 #define VELUM_TEXEL_LOG2_EXTINCTION_RANGE 28.0f
 
@@ -49,10 +50,10 @@ VELUM_FN float velum_texel_from_extinction(float extinction_1_m) {
                        0.0f, 1.0f);
 }
 VELUM_FN float velum_texel_wind_m_s(float stored) {
-    return (stored - 0.5f) * (2.0f * VELUM_TEXEL_WIND_RANGE_M_S);
+    return (stored - VELUM_TEXEL_WIND_ZERO) * (2.0f * VELUM_TEXEL_WIND_RANGE_M_S);
 }
 VELUM_FN float velum_texel_from_wind(float wind_m_s) {
-    return velum_clamp(0.5f + wind_m_s / (2.0f * VELUM_TEXEL_WIND_RANGE_M_S), 0.0f, 1.0f);
+    return velum_clamp(VELUM_TEXEL_WIND_ZERO + wind_m_s / (2.0f * VELUM_TEXEL_WIND_RANGE_M_S), 0.0f, 1.0f);
 }
 
 /* The fields of one slot at one place. */
