@@ -84,8 +84,13 @@ bool compute_open(compute_device *device, char reason[256]) {
                                            .queueFamilyIndex = device->family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+    /* SPIR-V 1.6 gives the local size by id. */
+    VkPhysicalDeviceVulkan13Features features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                 .maintenance4 = VK_TRUE};
+    const VkDeviceCreateInfo info = {.pNext = &features,
+                                     .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue};
     if (!ok(vkCreateDevice(device->physical, &info, NULL, &device->device), "vkCreateDevice")) {
         goto error;
     }

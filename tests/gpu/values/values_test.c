@@ -85,7 +85,7 @@ static void compare(const value_case *c, const uint32_t *in, const uint32_t *got
                 double y = word_float(want);
                 double error = fabs(x - y);
                 double allowed = (b->absolute + b->relative * fabs(y)) * scale;
-                good = error <= allowed;
+                good = error <= allowed || (isnan(x) && isnan(y));
                 worst = fmax(worst, error / allowed);
                 worst_absolute = fmax(worst_absolute, error / scale);
                 worst_relative = fmax(worst_relative, error / scale / fmax(fabs(y), 1e-30));
