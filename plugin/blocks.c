@@ -88,6 +88,10 @@ static void fill_phases(const engine *e, uint32_t slot, const double position[3]
     memcpy(out->fine_1, p.fine[1], sizeof out->fine_1);
 }
 
+bool blocks_mix(const engine *e) {
+    return e->weather.state[0] != e->weather.state[1] || e->drift.weight[1] > 0.0f;
+}
+
 bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef_m[3], const velum_plan *plan,
                      velum_eye_block *out) {
     memset(out, 0, sizeof *out);

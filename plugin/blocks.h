@@ -8,6 +8,9 @@
 bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef_m[3], const velum_plan *plan,
                      velum_eye_block *out);
 
+/* Whether two weather states, or two lives of the noise, are mixed in this frame. */
+bool blocks_mix(const engine *e);
+
 /* Wind of the clouds over a place, weighted by their coverage, ECEF. */
 void blocks_wind(const engine *e, const double position_ecef_m[3], float wind_m_s[3]);
 

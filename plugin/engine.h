@@ -36,9 +36,11 @@ typedef enum pass {
     PASS_GLOW,
     PASS_SKY,
     PASS_MARCH,
+    PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
     PASS_RESOLVE,
     PASS_RESOLVE_LAYERED,
     PASS_SHADOW,
+    PASS_SHADOW_MIXED,
     PASS_COUNT
 } pass;
 

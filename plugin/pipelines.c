@@ -114,9 +114,11 @@ static bool create_sampler(gpu *g, VkFilter filter, VkSamplerAddressMode address
 VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     switch (which) {
     case PASS_MARCH:
+    case PASS_MARCH_MIXED:
     case PASS_RESOLVE:
     case PASS_RESOLVE_LAYERED: return p->layout_view;
-    case PASS_SHADOW: return p->layout_shadow;
+    case PASS_SHADOW:
+    case PASS_SHADOW_MIXED: return p->layout_shadow;
     default: return p->layout_engine;
     }
 }
@@ -129,9 +131,15 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
                              [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
                              [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
                              [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
+                             [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
                              [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
                              [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
-                             [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv}};
+                             [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
+                             [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv}};
+    /* Constant 0 of weather.glsl. */
+    const VkBool32 mixes = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED;
+    const VkSpecializationMapEntry constant = {0, 0, sizeof mixes};
+    const VkSpecializationInfo constants = {1, &constant, sizeof mixes, &mixes};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[which].bytes,
                                             .pCode = shaders[which].words};
@@ -143,7 +151,8 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
                                         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                                                   .module = module,
-                                                  .pName = "main"},
+                                                  .pName = "main",
+                                                  .pSpecializationInfo = &constants},
                                         .layout = pipelines_layout(p, which)};
     bool ok = VK(g, CreateComputePipelines(g->device, p->cache, 1, &info, NULL, &p->pipeline[which]));
     g->DestroyShaderModule(g->device, module, NULL);

@@ -154,7 +154,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         offsets[2] = levels[k];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
-        record_dispatch(e, commands, PASS_SHADOW, s->texels, s->texels);
+        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, s->texels, s->texels);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);

@@ -375,7 +375,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    record_dispatch(e, commands, PASS_MARCH, block->march_size[0], block->march_size[1]);
+    record_dispatch(e, commands, blocks_mix(e) ? PASS_MARCH_MIXED : PASS_MARCH, block->march_size[0], block->march_size[1]);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);

@@ -48,7 +48,7 @@ void main() {
                 if (h + abs(rise) < bounds.x || h - abs(rise) > bounds.y) {
                     continue;
                 }
-                velum_slot_fields f = slot_fields(tile, slot);
+                velum_slot_fields f = slot_fields(tile, slot, true);
                 if (f.coverage <= 0.0) {
                     continue;
                 }

@@ -13,6 +13,9 @@ float velum_detail_at(float x, float y, float z) {
 
 #include "shared/sample.h"
 
+/* Two weather states, or two lives of the noise, are mixed. The plain pipeline does not pay for it. */
+layout(constant_id = 0) const bool velum_mixes = true;
+
 struct tile_place {
     uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
     uint mask;  /* slots with cloud */
@@ -52,21 +55,24 @@ tile_place tile_find(vec3 normal, float distance_m) {
 }
 
 velum_slot_fields page_fields(uint page, vec2 uv) {
-    velum_slot_fields f;
-    if (page == VELUM_PAGE_NONE) {
-        f = velum_slot_fields(0.0, 0.0, 1.0, 1e-7, 0.0, 0.0, 0.0, 0.0);
-        return f;
-    }
-    vec4 a = textureLod(tiles_a, vec3(uv, float(page)), 0.0);
-    vec4 b = textureLod(tiles_b, vec3(uv, float(page)), 0.0);
-    return velum_fields_of_texels(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+    uint safe = page == VELUM_PAGE_NONE ? 0u : page;
+    vec4 a = textureLod(tiles_a, vec3(uv, float(safe)), 0.0);
+    vec4 b = textureLod(tiles_b, vec3(uv, float(safe)), 0.0);
+    velum_slot_fields f = velum_fields_of_texels(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+    f.coverage = page == VELUM_PAGE_NONE ? 0.0 : f.coverage;
+    return f;
 }
 
-velum_slot_fields slot_fields(tile_place place, int slot) {
-    uint pages = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
+/* `wanted` false: no such place in the table; coverage 0. */
+velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
+    uint word = wanted ? place.entry + VELUM_TABLE_PAGES + uint(slot) : 0u;
+    uint pages = wanted ? table[word] : (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE;
     velum_slot_fields f = page_fields(pages & 0xffffu, place.uv);
-    if ((eye.table.w & VELUM_TABLE_FLAG_BLENDING) != 0u && (pages >> 16u) != (pages & 0xffffu)) {
-        f = velum_fields_mix(f, page_fields(pages >> 16u, place.uv), eye.weather.y);
+    if (velum_mixes) {
+        velum_slot_fields g = page_fields(pages >> 16u, place.uv);
+        if ((pages >> 16u) != (pages & 0xffffu)) {
+            f = velum_fields_mix(f, g, eye.weather.y);
+        }
     }
     return f;
 }
@@ -83,7 +89,7 @@ float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float heig
     float stretch = eye.slots[slot].bounds.z;
     vec3 p = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
     float rank = velum_shape_at(p.x, p.y, p.z);
-    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+    if (velum_mixes) {
         p = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
         rank = velum_rank_mix(rank, velum_shape_at(p.x, p.y, p.z), eye.drift.x);
     }
@@ -94,7 +100,7 @@ float lump_noise(int slot, velum_slot_fields f, vec3 r) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].lump_0, 1.0);
     float n = velum_detail_at(p.x, p.y, p.z);
-    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+    if (velum_mixes) {
         p = noise_place(r - wind * eye.weather.w, eye.slots[slot].lump_1, 1.0);
         n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
@@ -105,7 +111,7 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].fine_0, 1.0);
     float n = velum_detail_at(p.x, p.y, p.z);
-    if ((eye.table.w & VELUM_TABLE_FLAG_DRIFTING) != 0u) {
+    if (velum_mixes) {
         p = noise_place(r - wind * eye.weather.w, eye.slots[slot].fine_1, 1.0);
         n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
