@@ -1,0 +1,57 @@
+/* A world, an engine on the CPU device, cameras: what the tests of pictures start from. */
+#ifndef GPU_FIXTURE_H
+#define GPU_FIXTURE_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <velum/standalone.h>
+#include <velum/world.h>
+
+typedef struct fixture {
+    const velum_world_api *world_api;
+    const velum_engine_api *engine_api;
+    const velum_standalone_api *standalone_api;
+    velum_world *world;
+    velum_engine *engine;
+    velum_eye *eye;
+    uint32_t errors;     /* messages of severity ERROR and above */
+    uint32_t validation; /* messages of validation layers */
+    char newest[1024];
+} fixture;
+
+/* Tables alone. */
+void fixture_tables(fixture *f);
+void fixture_log(void *context, int32_t severity, const char *object, const char *message);
+/* World, engine and eye; skips the test where there is no device. */
+void fixture_init(fixture *f, bool validate);
+/* A second engine on the same world. */
+velum_engine *fixture_engine(fixture *f, bool validate);
+void fixture_finish(fixture *f);
+
+void fixture_commit(fixture *f, const velum_layer *layers, uint32_t count);
+/* One uniform layer of that optical depth between 1000 and 2000 m. */
+velum_layer fixture_slab(float tau);
+velum_layer fixture_cumulus(void);
+
+/* Place, local axes. */
+void fixture_position(double lat_deg, double lon_deg, double height_m, double ecef_m[3]);
+void fixture_axes(double lat_deg, double lon_deg, double east[3], double north[3], double up[3]);
+
+velum_frame_info fixture_frame(const double sun[3], double time_s, int32_t atmosphere);
+/* Looks along `forward`, half angles by tangent. */
+velum_view_frame fixture_camera(const double position[3], const double forward[3], const double right[3], float tan_x,
+                                float tan_y);
+
+velum_view *fixture_view(fixture *f, velum_eye *eye, uint32_t width, uint32_t height);
+
+/* internals.c: what no table tells. */
+uint64_t fixture_pages_uploaded(velum_engine *engine);
+uint64_t fixture_weather_bytes(velum_engine *engine);
+uint64_t fixture_view_bytes(velum_view *view);
+
+#endif

@@ -1,0 +1,21 @@
+#include "fixture.h"
+#include "plugin/engine.h"
+#include "plugin/handle.h"
+
+uint64_t fixture_pages_uploaded(velum_engine *handle) {
+    engine *e = handle_get(handle, HANDLE_ENGINE);
+    assert_non_null(e);
+    return e->pages.uploaded;
+}
+
+uint64_t fixture_weather_bytes(velum_engine *handle) {
+    engine *e = handle_get(handle, HANDLE_ENGINE);
+    assert_non_null(e);
+    return engine_weather_bytes(e);
+}
+
+uint64_t fixture_view_bytes(velum_view *handle) {
+    view *v = handle_get(handle, HANDLE_VIEW);
+    assert_non_null(v);
+    return v->bytes;
+}
