@@ -72,10 +72,11 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     static const struct cloud_cover none = {0, 0};
     struct daylight light;
     daylight_compute(sun_sine, illuminance_lx, atmosphere, &none, &light);
-    double level_lx = luminance_of(light.sun_lx) * fmax(sun_sine, 0.02) + luminance_of(light.sky_lx);
+    /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. */
+    double level_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
     /* The eye does not follow all the way: overcast stays duller than sunshine. */
     level_lx *= pow(cloud_transmittance(cover), 0.75);
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
-    return level_lx > 0 ? 1 / (0.22 * level_lx) : 1;
+    return level_lx > 0 ? 1 / (0.12 * level_lx) : 1;
 }
