@@ -37,7 +37,8 @@ core_drift core_drift_at(double time_s, uint64_t seed) {
     double after_s = PERIOD_S - into_s + 0.5 * CORE_DRIFT_FADE_S;
     int64_t other = before_s < after_s ? cycle - 1 : cycle + 1;
     double weight = fmin(fmin(before_s, after_s) / CORE_DRIFT_FADE_S, 1.0);
-    set_phase(&drift, 0, cycle, time_s, weight, seed);
-    set_phase(&drift, 1, other, time_s, 1.0 - weight, seed);
+    uint32_t phase = (uint32_t)(cycle & 1);
+    set_phase(&drift, phase, cycle, time_s, weight, seed);
+    set_phase(&drift, phase ^ 1u, other, time_s, 1.0 - weight, seed);
     return drift;
 }

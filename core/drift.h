@@ -16,7 +16,7 @@ typedef struct core_drift {
     int64_t cycle[2];
 } core_drift;
 
-/* Phase 0 has at least half of the weight. A pure function of time and seed, continuous wherever a weight is not 0. Not finite counts as 0. */
+/* A pure function of time and seed, continuous wherever a weight is not 0. Not finite counts as 0. */
 core_drift core_drift_at(double time_s, uint64_t seed);
 
 #endif

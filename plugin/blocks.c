@@ -13,8 +13,21 @@
 /* -ln 0.05: extinction times meteorological optical range (5 % contrast; WMO-No. 8, 9.1.1). */
 #define MOR_FACTOR 2.995732f
 
-static void fill_drift(const engine *e, velum_eye_block *out) {
-    const core_drift *d = &e->drift;
+/* Where one life has all the weight it comes first: the plain shaders look at no other. */
+static core_drift drift_first(const core_drift *d) {
+    core_drift out = *d;
+    if (d->weight[0] == 0.0f) {
+        for (int life = 0; life < 2; life++) {
+            out.tau_s[life] = d->tau_s[life ^ 1];
+            out.weight[life] = d->weight[life ^ 1];
+            out.cycle[life] = d->cycle[life ^ 1];
+            memcpy(out.offset[life], d->offset[life ^ 1], sizeof out.offset[life]);
+        }
+    }
+    return out;
+}
+
+static void fill_drift(const core_drift *d, velum_eye_block *out) {
     out->weather[2] = d->tau_s[0];
     out->weather[3] = d->tau_s[1];
     out->drift[0] = d->weight[1];
@@ -77,9 +90,9 @@ static void fill_optics(const engine *e, velum_eye_block *out) {
     }
 }
 
-static void fill_phases(const engine *e, uint32_t slot, const double position[3], velum_slot_block *out) {
+static void fill_phases(const core_drift *drift, uint32_t slot, const double position[3], velum_slot_block *out) {
     core_slot_phases p;
-    core_slot_phases_at(slot, position, &e->drift, &p);
+    core_slot_phases_at(slot, position, drift, &p);
     memcpy(out->shape_0, p.shape[0], sizeof out->shape_0);
     memcpy(out->shape_1, p.shape[1], sizeof out->shape_1);
     memcpy(out->lump_0, p.lump[0], sizeof out->lump_0);
@@ -89,7 +102,7 @@ static void fill_phases(const engine *e, uint32_t slot, const double position[3]
 }
 
 bool blocks_mix(const engine *e) {
-    return e->weather.state[0] != e->weather.state[1] || e->drift.weight[1] > 0.0f;
+    return e->weather.state[0] != e->weather.state[1] || (e->drift.weight[0] > 0.0f && e->drift.weight[1] > 0.0f);
 }
 
 bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef_m[3], const velum_plan *plan,
@@ -129,12 +142,13 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     out->sun_lx[3] = f->sun_angular_radius_rad;
     out->ground[3] = f->atmosphere == VELUM_ATMOSPHERE_EARTH ? 1.0f : 0.0f;
     out->span[3] = plan ? plan->distance_m : t->has_set ? (float)t->set.distance_m : 0.0f;
-    fill_drift(e, out);
+    const core_drift drift = drift_first(&e->drift);
+    fill_drift(&drift, out);
     fill_surface(e, normal, out);
     fill_bounds(t, mask, out);
     fill_optics(e, out);
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        fill_phases(e, slot, position_ecef_m, &out->slots[slot]);
+        fill_phases(&drift, slot, position_ecef_m, &out->slots[slot]);
     }
     return true;
 }
