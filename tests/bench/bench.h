@@ -37,6 +37,8 @@ typedef struct bench_case {
 extern const bench_case bench_frame_cases[], bench_weather_cases[]; /* end with a null name */
 
 double bench_now_ms(void);
+/* Of all threads of the process: with a software device the work itself, whatever else the machine does. */
+double bench_cpu_ms(void);
 void bench_add(bench_series *series, double value);
 double bench_median(const bench_series *series);
 /* One line: the median, the least and the greatest. `unit`: "ms", "bytes", "1" for counts and ratios. */

@@ -13,14 +13,18 @@ typedef struct variant {
 
 /* Series of each variant. Too large for a stack: one set, in the one thread that there is. */
 typedef struct figures {
-    bench_series wall, record, gpu, shared, view[SCENE_VIEWS], rays, samples, light, weather, memory;
+    bench_series wall, cpu, record, gpu, shared, march, resolve, view[SCENE_VIEWS], rays, samples, light, weather,
+        memory;
 } figures;
 
 static void add(figures *f, const scene_frame *frame, uint32_t views) {
     bench_add(&f->wall, frame->wall_ms);
+    bench_add(&f->cpu, frame->cpu_ms);
     bench_add(&f->record, frame->record_ms);
     bench_add(&f->gpu, frame->gpu_ms);
     bench_add(&f->shared, frame->shared_ms);
+    bench_add(&f->march, frame->march_ms);
+    bench_add(&f->resolve, frame->resolve_ms);
     for (uint32_t i = 0; i < views; i++) {
         bench_add(&f->view[i], frame->view_ms[i]);
     }
@@ -34,9 +38,12 @@ static void add(figures *f, const scene_frame *frame, uint32_t views) {
 static void report(const bench *b, const variant *v, const figures *f) {
     static const char *const view_names[SCENE_VIEWS] = {"gpu_view_1", "gpu_view_2", "gpu_view_3", "gpu_view_4"};
     bench_report(b, v->name, "frame", "ms", &f->wall);
+    bench_report(b, v->name, "cpu", "ms", &f->cpu);
     bench_report(b, v->name, "record", "ms", &f->record);
     bench_report(b, v->name, "gpu", "ms", &f->gpu);
     bench_report(b, v->name, "gpu_shared", "ms", &f->shared);
+    bench_report(b, v->name, "gpu_march", "ms", &f->march);
+    bench_report(b, v->name, "gpu_resolve", "ms", &f->resolve);
     for (uint32_t i = 0; i < v->views; i++) {
         bench_report(b, v->name, view_names[i], "ms", &f->view[i]);
     }
@@ -96,15 +103,17 @@ static bool channels(bench *b) {
         return false;
     }
     /* What a channel adds to a frame, and its share of the first one's. */
-    double one = bench_median(&series[0].wall);
-    double two = bench_median(&series[1].wall) - one;
-    double three = bench_median(&series[2].wall) - one - two;
-    bench_report_value(b, "first channel", "cost", "ms", one);
-    bench_report_value(b, "second channel", "cost", "ms", two);
-    bench_report_value(b, "third channel", "cost", "ms", three);
-    if (one > 0.0) {
-        bench_report_value(b, "second channel", "share_of_first", "1", two / one);
-        bench_report_value(b, "third channel", "share_of_first", "1", three / one);
+    for (int cpu = 0; cpu < 2; cpu++) {
+        double one = bench_median(cpu ? &series[0].cpu : &series[0].wall);
+        double two = bench_median(cpu ? &series[1].cpu : &series[1].wall) - one;
+        double three = bench_median(cpu ? &series[2].cpu : &series[2].wall) - one - two;
+        bench_report_value(b, "first channel", cpu ? "cpu_cost" : "cost", "ms", one);
+        bench_report_value(b, "second channel", cpu ? "cpu_cost" : "cost", "ms", two);
+        bench_report_value(b, "third channel", cpu ? "cpu_cost" : "cost", "ms", three);
+        if (one > 0.0) {
+            bench_report_value(b, "second channel", cpu ? "cpu_share_of_first" : "share_of_first", "1", two / one);
+            bench_report_value(b, "third channel", cpu ? "cpu_share_of_first" : "share_of_first", "1", three / one);
+        }
     }
     return true;
 }

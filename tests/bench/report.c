@@ -11,6 +11,12 @@ double bench_now_ms(void) {
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
+double bench_cpu_ms(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
 void bench_add(bench_series *series, double value) {
     if (series->count < BENCH_SAMPLES) {
         series->values[series->count++] = value;

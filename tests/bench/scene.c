@@ -212,6 +212,8 @@ static void read_stats(scene *s, const scene_eye *eye, scene_frame *out) {
             continue;
         }
         out->view_ms[i] = (double)stats.march_ms + (double)stats.resolve_ms;
+        out->march_ms += (double)stats.march_ms;
+        out->resolve_ms += (double)stats.resolve_ms;
         out->shared_ms = (double)stats.shared_ms;
         out->gpu_ms += out->view_ms[i];
         out->rays += (double)stats.rays;
@@ -236,6 +238,7 @@ bool scene_draw(scene *s, scene_eye *eye, scene_frame *out) {
     memcpy(frame.ground_albedo, s->ground_albedo, sizeof frame.ground_albedo);
     velum_eye_frame eye_frame = {.struct_size = sizeof eye_frame, .eye = eye->eye};
     memcpy(eye_frame.position_ecef_m, s->position_ecef_m, sizeof eye_frame.position_ecef_m);
+    double start_cpu_ms = bench_cpu_ms();
     double start_ms = bench_now_ms();
     VkCommandBuffer commands = vulkan_device_begin(&s->b->device, 0);
     velum_result result = host->engine->begin_frame(s->engine, &frame);
@@ -254,6 +257,7 @@ bool scene_draw(scene *s, scene_eye *eye, scene_frame *out) {
     out->record_ms = bench_now_ms() - start_ms;
     bool submitted = vulkan_device_submit(&s->b->device, 0) && vulkan_device_wait(&s->b->device, 0);
     out->wall_ms = bench_now_ms() - start_ms;
+    out->cpu_ms = bench_cpu_ms() - start_cpu_ms;
     if (result < 0 || ended < 0 || !submitted) {
         return bench_fail(s->b, "record", result < 0 ? result : ended < 0 ? ended : VELUM_ERROR_VULKAN);
     }

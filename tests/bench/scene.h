@@ -31,8 +31,10 @@ typedef struct scene_eye {
 /* What one frame took. Zero where the device has no timestamps. */
 typedef struct scene_frame {
     double wall_ms;   /* recording, submission, completion */
+    double cpu_ms;    /* of all threads; with a software device that is its work */
     double record_ms; /* of that, the host's thread in the plugin */
     double shared_ms, view_ms[SCENE_VIEWS], gpu_ms;
+    double march_ms, resolve_ms; /* of all views */
     double rays, samples, light_samples;
     double weather_bytes, view_bytes;
     bool incomplete;
