@@ -38,7 +38,9 @@ typedef enum pass {
     PASS_MARCH,
     PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
     PASS_RESOLVE,
+    PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
     PASS_RESOLVE_LAYERED,
+    PASS_RESOLVE_LAYERED_GROUND,
     PASS_SHADOW,
     PASS_SHADOW_MIXED,
     PASS_COUNT

@@ -275,8 +275,9 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
         missing = "images of 256 array layers";
     } else if (properties.properties.limits.maxPerStageDescriptorStorageImages < 10) {
         missing = "10 storage images a stage";
-    } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_UNORM, texture)) {
-        missing = "linear filtering of R16G16B16A16_UNORM";
+    } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_UNORM, texture) ||
+               !format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16_UNORM, texture)) {
+        missing = "linear filtering of R16G16B16A16_UNORM and R16_UNORM";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_SFLOAT, both)) {
         missing = "storage images of R16G16B16A16_SFLOAT";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16_SFLOAT, both)) {

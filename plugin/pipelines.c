@@ -116,7 +116,9 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     case PASS_MARCH:
     case PASS_MARCH_MIXED:
     case PASS_RESOLVE:
-    case PASS_RESOLVE_LAYERED: return p->layout_view;
+    case PASS_RESOLVE_GROUND:
+    case PASS_RESOLVE_LAYERED:
+    case PASS_RESOLVE_LAYERED_GROUND: return p->layout_view;
     case PASS_SHADOW:
     case PASS_SHADOW_MIXED: return p->layout_shadow;
     default: return p->layout_engine;
@@ -127,19 +129,23 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     static const struct {
         const uint32_t *words;
         size_t bytes;
-    } shaders[PASS_COUNT] = {[PASS_AIR] = {velum_air_spv, sizeof velum_air_spv},
-                             [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
-                             [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
-                             [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
-                             [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
-                             [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
-                             [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
-                             [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
-                             [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv}};
-    /* Constant 0 of weather.glsl. */
-    const VkBool32 mixes = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED;
-    const VkSpecializationMapEntry constant = {0, 0, sizeof mixes};
-    const VkSpecializationInfo constants = {1, &constant, sizeof mixes, &mixes};
+    } shaders[PASS_COUNT] = {
+        [PASS_AIR] = {velum_air_spv, sizeof velum_air_spv},
+        [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
+        [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
+        [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
+        [PASS_RESOLVE_GROUND] = {velum_resolve_spv, sizeof velum_resolve_spv},
+        [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
+        [PASS_RESOLVE_LAYERED_GROUND] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
+        [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
+        [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv}};
+    /* Constant 0 of weather.glsl and of resolve.comp. */
+    const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
+                          which == PASS_RESOLVE_LAYERED_GROUND;
+    const VkSpecializationMapEntry constant = {0, 0, sizeof more};
+    const VkSpecializationInfo constants = {1, &constant, sizeof more, &more};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[which].bytes,
                                             .pCode = shaders[which].words};

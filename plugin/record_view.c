@@ -375,11 +375,15 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    record_dispatch(e, commands, blocks_mix(e) ? PASS_MARCH_MIXED : PASS_MARCH, block->march_size[0], block->march_size[1]);
+    bool ground = (block->frame[1] & VELUM_VIEW_BLOCK_GROUND) != 0;
+    pass resolve = layered ? (ground ? PASS_RESOLVE_LAYERED_GROUND : PASS_RESOLVE_LAYERED)
+                           : (ground ? PASS_RESOLVE_GROUND : PASS_RESOLVE);
+    record_dispatch(e, commands, blocks_mix(e) ? PASS_MARCH_MIXED : PASS_MARCH, block->march_size[0],
+                    block->march_size[1]);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
-    record_dispatch(e, commands, layered ? PASS_RESOLVE_LAYERED : PASS_RESOLVE, block->size[0], block->size[1]);
+    record_dispatch(e, commands, resolve, block->size[0], block->size[1]);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
     VkBufferCopy copy = {at, at, 16};
     g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &copy);

@@ -52,16 +52,11 @@ float fog_between(float h0, float h1, float distance_m) {
 
 /* Of air and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1, so far on. */
 vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
-    if (eye.ground.w == 0.0) {
-        return vec3(1.0);
-    }
-    vec3 t;
-    if (mu0 + mu1 >= 0.0) {
-        t = air_to_space(h0, mu0) / max(air_to_space(h1, mu1), vec3(1e-6));
-    } else {
-        t = air_to_space(h1, -mu1) / max(air_to_space(h0, -mu0), vec3(1e-6));
-    }
-    return clamp(t, vec3(0.0), vec3(1.0)) * fog_between(h0, h1, distance_m);
+    bool rises = mu0 + mu1 >= 0.0;
+    vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
+    vec3 beyond = air_to_space(rises ? h1 : h0, rises ? mu1 : -mu0);
+    vec3 t = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0)) * fog_between(h0, h1, distance_m);
+    return eye.ground.w == 0.0 ? vec3(1.0) : t;
 }
 
 float phase_rayleigh(float c) {

@@ -174,7 +174,7 @@ void main() {
         float at = 0.0;
         bool seeking = true;
         while (seeking) {
-            dt = max(dt_min, position * growth);
+            dt = min(max(dt_min, position * growth), end - position);
             at = position + dt * offset;
             vec3 r = ray.origin + ray.direction * at;
             velum_place place = place_of(r);

@@ -3,6 +3,11 @@
 /* Every pixel: this frame's rays where there is one, moved history elsewhere; then sky, air and ground around it. */
 #include "air.glsl"
 #include "view.glsl"
+/* Positions from the eye: the block is shifted to it. */
+#define VELUM_SHADOW_SET 0
+#define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
+#define VELUM_SHADOW_MAP_BINDING VELUM_BIND_SHADOW
+#include "velum/velum_shadow.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
@@ -21,7 +26,6 @@ layout(set = 1, binding = VELUM_BIND_HISTORY_DATA_OUT, rg16f) uniform writeonly 
 layout(set = 1, binding = VELUM_BIND_OUT_LUMINANCE) uniform writeonly OUT_IMAGE luminance_out;
 layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IMAGE transmittance_out;
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
-layout(set = 0, binding = VELUM_BIND_SHADOW) uniform sampler2DArray shadow_map;
 
 const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away. */
@@ -58,19 +62,13 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     bool own = side == 1 || inside.y * side + inside.x == int(view.frame.x);
     ivec2 last = ivec2(view.march_size.xy) - 1;
 
+    /* This frame's ray, or between its neighbours. */
     cloud_pixel fresh;
-    fresh.samples = 1.0;
-    if (own) {
-        fresh.light = texelFetch(march_light, block, 0);
-        fresh.distance_m = texelFetch(march_distance, block, 0).r;
-    } else {
-        /* Between this frame's rays. */
-        vec2 at = (vec2(pixel) - vec2(ivec2(int(view.frame.x) % side, int(view.frame.x) / side))) / float(side);
-        vec2 uv = (at + 0.5) / vec2(view.march_size.xy);
-        fresh.light = textureLod(march_light, uv, 0.0);
-        fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
-        fresh.samples = 0.0;
-    }
+    vec2 at = (vec2(pixel) - vec2(ivec2(int(view.frame.x) % side, int(view.frame.x) / side))) / float(side);
+    at = own ? vec2(block) : at;
+    fresh.light = textureLod(march_light, (at + 0.5) / vec2(view.march_size.xy), 0.0);
+    fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
+    fresh.samples = own ? 1.0 : 0.0;
 
     if (view.march_size.w == 0u) {
         return fresh;
@@ -90,18 +88,15 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     float old_distance_m = data.r * distance_unit_m;
     float count = data.g;
 
+    /* What this frame saw around the pixel bounds what can have been there. */
+    vec4 low = fresh.light;
+    vec4 high = fresh.light;
+    for (int k = still ? 8 : 0; k < 9; ++k) {
+        vec4 near = texelFetch(march_light, clamp(block + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last), 0);
+        low = min(low, near);
+        high = max(high, near);
+    }
     if (!still) {
-        /* What this frame saw around the pixel bounds what can have been there. */
-        vec4 low = fresh.light;
-        vec4 high = fresh.light;
-        float spread = 0.0;
-        for (int y = -1; y <= 1; ++y) {
-            for (int x = -1; x <= 1; ++x) {
-                vec4 near = texelFetch(march_light, clamp(block + ivec2(x, y), ivec2(0), last), 0);
-                low = min(low, near);
-                high = max(high, near);
-            }
-        }
         vec4 slack = (high - low) * 0.25 + vec4(0.02 * high.rgb, 0.02);
         old = clamp(old, low - slack, high + slack);
         count = min(count, view.scale.w);
@@ -131,6 +126,18 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     return result;
 }
 
+/* Height and cosine of the zenith angle so far along a ray that starts at height h0 with cosine mu0, on a sphere: for
+ * air, which does not mind the metres by which the ellipsoid differs. */
+vec2 along_ray(float h0, float mu0, float distance_m) {
+    float r0 = VELUM_WGS84_A_M + h0;
+    float step = distance_m * (2.0 * r0 * mu0 + distance_m);
+    float r1 = sqrt(r0 * r0 + step);
+    return vec2(h0 + step / (r0 + r1), (r0 * mu0 + distance_m) / r1);
+}
+
+/* The host draws the ground, or nobody: then the pass spends nothing on ours. */
+layout(constant_id = 0) const bool draws_ground = true;
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
@@ -144,9 +151,8 @@ void main() {
     float hit = host_distance(pixel, ray);
     bool host = hit >= 0.0;
     float ground = ground_distance(ray.origin, ray.direction);
-    if (!host) {
-        hit = ground;
-    }
+    hit = host ? hit : ground;
+    bool solid = hit >= 0.0;
     float through = cloud.light.a;
     vec3 light = cloud.light.rgb * VELUM_LUMINANCE_UNIT;
     vec3 transmittance = vec3(through);
@@ -154,53 +160,35 @@ void main() {
     if (eye.ground.w != 0.0) {
         velum_place from = place_of(ray.origin);
         float mu0 = dot(vec3(from.nx, from.ny, from.nz), ray.direction);
+        /* All the way: to the ground, or to space. Then, of the light of all the way, the share before what is hit. */
         bool to_ground = ground >= 0.0;
+        float way = to_ground ? ground : 60000.0 / max(mu0, 0.02);
+        vec2 far = along_ray(from.height_m, mu0, way);
+        vec3 whole = air_between(from.height_m, mu0, to_ground ? 0.0 : VELUM_AIR_TOP_M, to_ground ? far.y : 1.0, way);
+        vec2 near = along_ray(from.height_m, mu0, max(hit, 0.0));
+        vec3 before = air_between(from.height_m, mu0, near.x, near.y, max(hit, 0.0));
+        vec3 air = solid && host ? before : whole;
         vec3 sky = sky_luminance(ray.direction, to_ground);
-        if (hit >= 0.0) {
-            vec3 r = ray.origin + ray.direction * hit;
-            velum_place to = place_of(r);
-            float mu1 = dot(vec3(to.nx, to.ny, to.nz), ray.direction);
-            vec3 air = air_between(from.height_m, mu0, to.height_m, mu1, hit);
-            vec3 whole = air;
-            if (host) {
-                if (to_ground) {
-                    velum_place end = place_of(ray.origin + ray.direction * ground);
-                    whole = air_between(from.height_m, mu0, end.height_m,
-                                        dot(vec3(end.nx, end.ny, end.nz), ray.direction), ground);
-                } else {
-                    whole = air_to_space(from.height_m, mu0) * fog_between(from.height_m, 30000.0, 30000.0 / max(mu0, 0.01));
-                }
-            }
-            vec3 haze = sky * clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0);
-            light += through * haze;
-            transmittance *= air;
-        } else {
-            vec3 air = from.height_m < VELUM_AIR_TOP_M
-                           ? air_to_space(from.height_m, max(mu0, velum_horizon_mu(from.height_m)))
-                           : vec3(1.0);
-            air *= fog_between(from.height_m, 30000.0, 30000.0 / max(mu0, 0.01));
-            light += through * sky;
-            transmittance *= air;
-        }
+        vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);
+        light += through * sky * share;
+        transmittance *= air;
     }
-    if (!host && ground >= 0.0 && view_flag(VELUM_VIEW_BLOCK_GROUND)) {
-        velum_place to = place_of(ray.origin + ray.direction * ground);
+    if (draws_ground) {
+        vec3 r = ray.origin + ray.direction * max(ground, 0.0);
+        velum_place to = place_of(r);
         float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
-        vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0);
+        vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
         vec3 sky_up = eye.ground.w != 0.0 ? ambient_at(0.0, false) * PI : vec3(0.0);
-        light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
-        transmittance = vec3(0.0);
+        bool drawn = !host && ground >= 0.0;
+        light += drawn ? transmittance * eye.ground.rgb / PI * (sun + sky_up) : vec3(0.0);
+        transmittance = drawn ? vec3(0.0) : transmittance;
     }
-    if (!host && ground < 0.0 && view_flag(VELUM_VIEW_BLOCK_SUN_DISC)) {
-        float c = dot(ray.direction, eye.sun.xyz);
+    if (!solid && view_flag(VELUM_VIEW_BLOCK_SUN_DISC)) {
         float radius = max(eye.sun_lx.w, 1e-4);
         /* acos loses its digits near 1: the chord does not. */
         float angle = length(ray.direction - eye.sun.xyz);
         float edge = clamp((radius - angle) / (0.02 * radius) + 0.5, 0.0, 1.0);
-        if (c > 0.0 && edge > 0.0) {
-            float solid = PI * radius * radius;
-            light += transmittance * edge * eye.sun_lx.rgb / solid;
-        }
+        light += transmittance * edge * eye.sun_lx.rgb / (PI * radius * radius);
     }
     light *= view.scale.x;
     ivec2 out_pixel = pixel + ivec2(view.size.zw);
