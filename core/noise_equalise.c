@@ -10,7 +10,8 @@
 #define BLOCKS 16   /* a side; local distributions are known for each block of 8^3 texels */
 #define BLOCK_TEXELS (SIDE / BLOCKS)
 #define BLOCK_COUNT (BLOCKS * BLOCKS * BLOCKS)
-#define BINS 24 /* of a local distribution */
+#define BINS 24    /* of a local distribution */
+#define LEAST 2.0f /* texels of a bin */
 #define PLANE_RANKS 256
 #define CURVE 1024
 
@@ -45,14 +46,15 @@ static void rank_texels(float *field) {
 
 /* ---------------------------------------------------------------- ranks among neighbours */
 
-/* A Gaussian of 1.4 blocks: waves longer than about half the period go, whatever the threshold. */
+/* A low pass: waves of a third of the period and longer go, whatever the threshold; shorter than a sixth stay. */
 static void blur_axis(const float *from, float *to, size_t stride) {
-    static const float kernel[5] = {0.2845f, 0.2205f, 0.1026f, 0.0287f, 0.0048f};
+    static const float kernel[9] = {0.59125f, 0.29040f,  -0.06844f, -0.04605f, 0.02750f,
+                                    0.00841f, -0.00656f, -0.00276f, 0.00187f};
     for (size_t i = 0; i < BLOCK_COUNT; i++) {
         size_t at = i / stride % BLOCKS;
         size_t line = i - at * stride;
         float sum = from[i] * kernel[0];
-        for (size_t k = 1; k < 5; k++) {
+        for (size_t k = 1; k < 9; k++) {
             sum += kernel[k] *
                    (from[line + (at + k) % BLOCKS * stride] + from[line + (at + BLOCKS - k) % BLOCKS * stride]);
         }
@@ -80,7 +82,8 @@ static void local_shares(const float *field, float *shares, float *scratch) {
         blur_axis(scratch, own, BLOCKS);
         blur_axis(own, scratch, (size_t)BLOCKS * BLOCKS);
         for (size_t i = 0; i < step; i++) {
-            own[i] = shares[(bin - 1) * step + i] + scratch[i];
+            /* The low pass overshoots: no part of the curve may fall. */
+            own[i] = shares[(bin - 1) * step + i] + fmaxf(scratch[i], LEAST);
         }
     }
     for (size_t bin = 1; bin <= BINS; bin++) {
@@ -239,7 +242,9 @@ bool noise_equalise(float *field, uint32_t n, uint8_t *texels) {
         return false;
     }
     rank_texels(field);
-    rank_locally(field, shares, shares + (BINS + 1) * BLOCK_COUNT);
+    for (int pass = 0; pass < 2; pass++) {
+        rank_locally(field, shares, shares + (BINS + 1) * BLOCK_COUNT);
+    }
     rank_planes(field, 1);
     rank_planes(field, SIDE);
     rank_planes(field, (size_t)SIDE * SIDE);
