@@ -39,25 +39,25 @@ VELUM_STRUCT(velum_slot_noise) {
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {
     velum_slot_noise n;
-    n.shape_period_m = 12500.0f;
+    n.shape_period_m = 8500.0f;
     n.lump_period_m = 2100.0f;
     n.fine_period_m = 310.0f;
     n.stretch = 1.0f;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
-        n.shape_period_m = 9000.0f;
+        n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 45000.0f;
+        n.shape_period_m = 20000.0f;
         n.lump_period_m = 6100.0f;
         n.fine_period_m = 1100.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
-        n.shape_period_m = 7000.0f;
+        n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 18000.0f;
+        n.shape_period_m = 8000.0f;
         n.lump_period_m = 5000.0f;
         n.fine_period_m = 800.0f;
-        n.stretch = 0.12f;
+        n.stretch = 0.3f;
     }
     return n;
 }
@@ -129,8 +129,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
-    velum_calibration measured =
-        velum_calibration_of(slot, kind, fields.coverage, fields.extinction_1_m * thickness_m);
+    velum_calibration measured = velum_calibration_of(slot, kind, fields.coverage, thickness_m,
+                                                      fields.extinction_1_m * thickness_m);
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
     p.coverage_scale = measured.coverage;

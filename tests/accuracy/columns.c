@@ -27,12 +27,18 @@ typedef struct column {
     const core_cloud_noise *cloud;
     velum_slot_fields fields;
     float foot[3], normal[3];
+    float rank; /* negative: that of the foot */
 } column;
 
 static float extinction_at(const column *c, float height_m) {
     const float point[3] = {c->foot[0] + c->normal[0] * height_m, c->foot[1] + c->normal[1] * height_m,
                             c->foot[2] + c->normal[2] * height_m};
-    return core_cloud_extinction(c->cloud, &c->fields, point, c->normal, height_m, true);
+    if (c->rank < 0.0f) {
+        return core_cloud_extinction(c->cloud, &c->fields, point, c->normal, height_m, true);
+    }
+    return velum_slot_extinction(c->cloud->slot, c->fields, height_m, c->rank,
+                                 core_cloud_lump(c->cloud, &c->fields, point),
+                                 core_cloud_fine(c->cloud, &c->fields, point));
 }
 
 /* Between a height in cloud and one that is not. */
@@ -133,7 +139,7 @@ bool columns_measure(const core_noise *noise, const column_case *of, float cover
     core_position(up, 0.0, origin);
     const core_drift drift = core_drift_at(1000.0, 7);
     const core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
-    column c = {.cloud = &cloud, .fields = fields_of(of, coverage)};
+    column c = {.cloud = &cloud, .fields = fields_of(of, coverage), .rank = -1.0f};
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < n; i++) {
             double x = side_m * ((i + 0.5) / n - 0.5) / CORE_RADIUS_M;
@@ -167,17 +173,16 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
     const core_drift drift = core_drift_at(1000.0, 7);
     const core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
     column c = {.cloud = &cloud, .fields = fields_of(of, coverage)};
-    double place[3] = {0.5, 0.5, 0.5};
+    /* Ranks that can be cloud, evenly; the rest of the sky is clear. */
+    const velum_profile profile = velum_profile_of(of->slot, c.fields);
+    const float sky = fminf(coverage * profile.coverage_scale, 1.0f);
     for (int i = 0; i < count; i++) {
-        /* The R3 sequence (Roberts 2018) over many periods; directions over the sphere. */
-        static const double stride[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-        for (int axis = 0; axis < 3; axis++) {
-            place[axis] += stride[axis];
-            place[axis] -= floor(place[axis]);
-            c.foot[axis] = (float)(1.0e6 * (place[axis] - 0.5));
+        c.rank = 1.0f - sky * ((float)i + 0.5f) / (float)count;
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            c.foot[axis] = 1.0e5f * velum_hash_unit(velum_hash_2((uint32_t)i, axis));
         }
-        float z = 2.0f * velum_hash_unit(velum_hash_2((uint32_t)i, 1)) - 1.0f;
-        float turn = 6.2831853f * velum_hash_unit(velum_hash_2((uint32_t)i, 2));
+        float z = 2.0f * velum_hash_unit(velum_hash_2((uint32_t)i, 3)) - 1.0f;
+        float turn = 6.2831853f * velum_hash_unit(velum_hash_2((uint32_t)i, 4));
         float across = sqrtf(fmaxf(1.0f - z * z, 0.0f));
         c.normal[0] = across * cosf(turn);
         c.normal[1] = across * sinf(turn);
@@ -185,5 +190,7 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
         measure_column(&c, steps, &s);
     }
     sums_finish(&s, &c.fields, out);
+    out->coverage *= (double)sky;
+    out->water *= (double)sky;
     return true;
 }

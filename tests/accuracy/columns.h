@@ -27,7 +27,7 @@ typedef struct column_stats {
 bool columns_measure(const core_noise *noise, const column_case *of, float coverage, double lat_deg, double lon_deg,
                      double side_m, int n, int steps, column_stats *out);
 
-/* The same over columns at random in the noise: what calibration goes by. `count` columns. */
+/* The same over the whole of the noise, ranks taken evenly: what calibration goes by. */
 bool columns_measure_anywhere(const core_noise *noise, const column_case *of, float coverage, int count, int steps,
                               column_stats *out);
 
