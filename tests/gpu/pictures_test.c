@@ -175,7 +175,7 @@ static void no_seam_in_a_uniform_slab(void **state) {
     picture *p = calloc(1, sizeof *p);
     assert_non_null(p);
     for (int place = 0; place < PLACES; place++) {
-        look_down(&f, places[place][0], places[place][1], 12000.0, 0.5f, 1, p);
+        look_down(&f, places[place][0], places[place][1], 12000.0, 0.5f, 16, p);
         for (int i = 0; i < PIXELS; i++) {
             double x = ((i % WIDTH) + 0.5) / WIDTH * 1.0 - 0.5;
             double y = ((i / WIDTH) + 0.5) / HEIGHT * 0.75 - 0.375;
