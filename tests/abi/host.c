@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "keep_drivers.h"
+
 void VELUM_CALL test_log_write(void *context, int32_t severity, const char *object, const char *message) {
     test_log *log = context;
     log->count++;
@@ -98,7 +100,9 @@ velum_engine *test_host_create_engine(test_host *host, velum_world *world) {
                                   .log_context = &host->log,
                                   .device = VELUM_DEVICE_AUTO};
     velum_engine *engine = NULL;
-    return host->standalone->create_engine(&desc, &engine) >= 0 ? engine : NULL;
+    velum_result result = host->standalone->create_engine(&desc, &engine);
+    keep_drivers();
+    return result >= 0 ? engine : NULL;
 }
 
 #define DEG (3.14159265358979323846 / 180.0)

@@ -8,6 +8,8 @@
 #include <velum/velum.h>
 #include <velum/vulkan.h>
 
+#include "keep_drivers.h"
+
 #define EXPECT(condition)                                                                                              \
     do {                                                                                                               \
         if (!(condition)) {                                                                                            \
@@ -148,6 +150,7 @@ int main(int argc, char **argv) {
     velum_result made = standalone->create_engine(&standalone_desc, &engine);
     int failed = 0;
     if (made >= 0) {
+        keep_drivers();
         failed = render(engines, standalone, engine);
         EXPECT(failed || engines->destroy(engine) == VELUM_OK);
     } else if (made == VELUM_ERROR_UNSUPPORTED || made == VELUM_ERROR_VULKAN) {

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "keep_drivers.h"
+
 typedef union symbol {
     void *symbol;
     PFN_vkGetInstanceProcAddr function;
@@ -153,6 +155,7 @@ bool vulkan_device_open(vulkan_device *device, test_host *host, char reason[256]
     if (!create_device(device, &needed) || !create_slots(device)) {
         goto error;
     }
+    keep_drivers();
     reason[0] = '\0';
     return true;
 error:
