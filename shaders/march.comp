@@ -13,6 +13,9 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[4];
 };
 
+/* Of a long step. */
+const float short_share = 0.18;
+const float dim = 0.3;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -60,7 +63,7 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
     float ahead = min((f.top_m - hit.height_m) / max(mu_sun, 0.06), 2.5 * thickness + 1500.0);
-    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, float(steps)) - 1.0);
+    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, float(max(steps, 1))) - 1.0);
     float depth = 0.0;
     float done = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -79,13 +82,13 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
 }
 
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. */
-vec3 cloud_source(cloud_hit hit, ray_phases phases, float start) {
+vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     velum_slot_fields f = hit.fields;
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     float thickness = max(f.top_m - f.base_m, 1.0);
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun);
-    float depth = sun_depth(hit, mu_sun, int(view.steps.y), start);
+    float depth = sun_depth(hit, mu_sun, steps, start);
 
     /* How high this column's cloud stands, and how much of it lies above and below. */
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
@@ -166,6 +169,12 @@ void main() {
     uint done = 0u;        /* slots already looked at in this step */
     float advance = 1.0e9; /* from the sample on, how far nothing can begin */
     bool alive = position < end && eye.table.z != 0u;
+    /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
+     * within a few mean free paths. */
+    vec3 source = vec3(0.0);
+    bool lit = false;
+    float short_until = 0.0;
+    float settled = position; /* light and transmittance hold up to here */
 
     while (alive) {
         cloud_hit hit;
@@ -174,7 +183,9 @@ void main() {
         float at = 0.0;
         bool seeking = true;
         while (seeking) {
-            dt = min(max(dt_min, position * growth), end - position);
+            bool is_short = position < short_until;
+            float long_dt = max(dt_min, position * growth);
+            dt = min(is_short ? long_dt * short_share : long_dt, end - position);
             at = position + dt * offset;
             vec3 r = ray.origin + ray.direction * at;
             velum_place place = place_of(r);
@@ -242,8 +253,18 @@ void main() {
 
             bool found = extinction > 1.0e-7;
             --left;
-            if (meets == 0u) {
-                position = max(position + dt, at + advance);
+            if (found && !is_short && !uniform_layer) {
+                short_until = position + dt;
+                position = max(position - 0.5 * dt, settled);
+                found = false;
+                advance = 1.0e9;
+                done = 0u;
+            } else if (meets == 0u) {
+                short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
+                settled = found ? position + dt : settled;
+                /* Beside a cloud, shorter ones: a long step would pass over its edge. */
+                float share = within && e > -0.25 && !found ? 0.4 : 1.0;
+                position = max(position + dt * share, at + advance);
                 advance = 1.0e9;
                 done = 0u;
             }
@@ -251,8 +272,13 @@ void main() {
             seeking = alive && !found;
         }
 
-        light_samples += hit.extinction_1_m > 0.0 ? view.steps.y : 0u;
-        vec3 source = cloud_source(hit, phases, 0.25 + 0.5 * offset);
+        /* Behind most of the cloud's opacity the light found last will do. */
+        bool wanted = hit.extinction_1_m > 0.0 && (through > dim || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
+        int light_steps = wanted ? int(view.steps.y) : 0;
+        light_samples += uint(light_steps);
+        vec3 found_source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset);
+        source = wanted ? found_source : source;
+        lit = lit || wanted;
         float length_m = max(min(dt, end - (at - dt * offset)), 0.0);
         float step_t = exp(-hit.extinction_1_m * length_m);
         float alpha = through * (1.0 - step_t);
