@@ -75,10 +75,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.0637f, 0.8887f, 0.0196f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.5446f, 0.5672f, -0.1185f, -0.2383f, 0.5755f, 4.0195f, -0.0102f, -0.0516f,
-                                   0.1121f, 1.0646f, 0.0278f);
-        b = velum_calibration_make(10600.0f, 1.5446f, 0.5672f, -0.1185f, -0.2383f, 0.5755f, 4.0195f, -0.0102f, -0.0516f,
-                                   0.1121f, 1.0646f, 0.0278f);
+        a = velum_calibration_make(10600.0f, 1.8050f, 0.7773f, -0.0946f, -0.1992f, 0.4424f, 6.3035f, -0.0391f, -0.0343f,
+                                   0.0843f, 1.0187f, 0.0340f);
+        b = velum_calibration_make(10600.0f, 1.8050f, 0.7773f, -0.0946f, -0.1992f, 0.4424f, 6.3035f, -0.0391f, -0.0343f,
+                                   0.0843f, 1.0187f, 0.0340f);
         t = 0.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

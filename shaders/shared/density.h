@@ -39,7 +39,7 @@ VELUM_STRUCT(velum_slot_noise) {
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {
     velum_slot_noise n;
-    n.shape_period_m = 8500.0f;
+    n.shape_period_m = 10500.0f;
     n.lump_period_m = 2100.0f;
     n.fine_period_m = 310.0f;
     n.stretch = 1.0f;
@@ -48,7 +48,7 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         n.shape_period_m = 20000.0f;
-        n.lump_period_m = 6100.0f;
+        n.lump_period_m = 7000.0f;
         n.fine_period_m = 1100.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
@@ -104,7 +104,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p = velum_profile_blend(velum_profile_make(0.88f, 1.5f, 0.50f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
                                 velum_profile_make(0.85f, 2.0f, 0.55f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        p = velum_profile_make(0.80f, 10.0f, 0.40f, 0.05f, 0.12f, 0.55f, 0.4f, 40.0f);
+        p = velum_profile_make(0.80f, 5.0f, 0.70f, 0.06f, 0.20f, 0.40f, 0.4f, 40.0f);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {

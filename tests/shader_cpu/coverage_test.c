@@ -1,0 +1,91 @@
+/* What is asked for is what is there (DESIGN 4), over 50 km squares of constant input. A part of what velum-coverage
+ * (tests/accuracy) goes through. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "columns.h"
+
+/* The equator, middle latitudes, a pole, the antimeridian. */
+static const double places[4][2] = {{0.3, 10.2}, {45.0, 8.0}, {90.0, 0.0}, {20.0, 180.0}};
+static const int oktas[5] = {1, 3, 5, 7, 8};
+
+static int make_noise(void **state) {
+    *state = core_noise_create();
+    return *state ? 0 : -1;
+}
+
+static int drop_noise(void **state) {
+    core_noise_destroy(*state);
+    return 0;
+}
+
+static void squares_hold_what_was_asked_for(void **state) {
+    for (int k = 0; k < COLUMN_CASES; k++) {
+        const column_case *of = &column_cases[k];
+        /* The towers of a storm are large against the square: see velum-coverage. */
+        const double bound = of->slot == VELUM_SLOT_STORM ? 0.04 : 0.02;
+        for (int o = 0; o < 5; o++) {
+            const float coverage = (float)oktas[o] / 8.0f;
+            const double *place = places[(k + o) % 4];
+            column_stats s;
+            assert_true(columns_measure(*state, of, coverage, place[0], place[1], 50000.0, 110, 32, &s));
+            const double water_bound = of->slot == VELUM_SLOT_STORM || oktas[o] == 1 ? 0.10 : 0.05;
+            const bool good = fabs(s.coverage - (double)coverage) < bound && fabs(s.water - 1.0) < water_bound &&
+                              fabs(s.base_error_m) < 10.0 && fabs(s.top_error_m) < 10.0;
+            if (!good) {
+                print_message("%s, %d oktas at %g, %g: coverage %.4f, water %.3f, base %+.1f m, top %+.1f m\n",
+                              of->name, oktas[o], place[0], place[1], s.coverage, s.water, s.base_error_m,
+                              s.top_error_m);
+            }
+            assert_true(good);
+        }
+    }
+}
+
+/* Water at low cover is in few clouds: a square has its own share of tall ones. Over the whole noise it is exact. */
+static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
+    for (int k = 0; k < COLUMN_CASES; k++) {
+        for (int o = 0; o < 5; o++) {
+            const float coverage = (float)oktas[o] / 8.0f;
+            column_stats s;
+            assert_true(columns_measure_anywhere(*state, &column_cases[k], coverage, 4000, 48, &s));
+            assert_true(fabs(s.coverage - (double)coverage) < 0.012);
+            assert_true(fabs(s.water - 1.0) < 0.03);
+            assert_true(fabs(s.base_error_m) < 10.0 && fabs(s.top_error_m) < 10.0);
+        }
+    }
+}
+
+/* Layers other than the usual ones: half and twice as thick, a fifth of and five times the water. */
+static void other_layers_hold_what_was_asked_for(void **state) {
+    static const float factors[4][2] = {{0.5f, 1.0f}, {2.0f, 1.0f}, {1.0f, 0.2f}, {1.0f, 5.0f}};
+    for (int k = 0; k < COLUMN_CASES; k++) {
+        for (int f = 0; f < 4; f++) {
+            column_case of = column_cases[k];
+            of.top_m = of.base_m + factors[f][0] * (of.top_m - of.base_m);
+            of.extinction_1_m *= factors[f][1];
+            column_stats s;
+            assert_true(columns_measure_anywhere(*state, &of, 0.625f, 3000, 48, &s));
+            const bool good = fabs(s.coverage - 0.625) < 0.02 && fabs(s.water - 1.0) < 0.05;
+            if (!good) {
+                print_message("%s, thickness x %g, water x %g: coverage %.4f, water %.3f\n", of.name,
+                              (double)factors[f][0], (double)factors[f][1], s.coverage, s.water);
+            }
+            assert_true(good);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(noise_as_a_whole_holds_what_was_asked_for),
+        cmocka_unit_test(other_layers_hold_what_was_asked_for),
+        cmocka_unit_test(squares_hold_what_was_asked_for),
+    };
+    return cmocka_run_group_tests_name("coverage", tests, make_noise, drop_noise);
+}

@@ -1,0 +1,176 @@
+/* Hashes, and the mixing of ranks, details and states, against what they promise. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "shared/hash.h"
+#include "shared/sample.h"
+
+#define SAMPLES 100000
+
+/* pcg_output_rxs_m_xs_32_32 after one step of the generator with multiplier 747796405, increment 2891336453 (O'Neill's
+ * pcg_variants.h), written out. */
+static void hash_is_pcg(void **state) {
+    (void)state;
+    for (uint64_t i = 0; i < 1000; i++) {
+        uint64_t x = i * 4292923u % 4294967296u;
+        uint64_t s = (x * 747796405u + 2891336453u) % 4294967296u;
+        uint64_t word = ((s >> ((s >> 28) + 4)) ^ s) * 277803737u % 4294967296u;
+        assert_int_equal(velum_hash((uint32_t)x), (uint32_t)((word >> 22) ^ word));
+    }
+}
+
+static void hash_units_are_even(void **state) {
+    (void)state;
+    uint32_t counts[16] = {0};
+    for (uint32_t i = 0; i < 160000; i++) {
+        float unit = velum_hash_unit(velum_hash_4(i & 31u, i >> 5u & 31u, i >> 10u, 9u));
+        assert_true(unit >= 0.0f && unit < 1.0f);
+        counts[(uint32_t)(unit * 16.0f)]++;
+    }
+    for (int i = 0; i < 16; i++) {
+        assert_true(counts[i] > 9500 && counts[i] < 10500);
+    }
+}
+
+static int compare(const void *a, const void *b) {
+    float x = *(const float *)a;
+    float y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static void mixed_ranks_are_uniform(void **state) {
+    (void)state;
+    static const float weights[] = {0.0f, 1e-5f, 0.02f, 0.25f, 0.5f, 0.8f, 0.9999f, 1.0f};
+    float *values = malloc(SAMPLES * sizeof *values);
+    assert_non_null(values);
+    for (int w = 0; w < 8; w++) {
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            values[i] =
+                velum_rank_mix(velum_hash_unit(velum_hash_2(i, 1)), velum_hash_unit(velum_hash_2(i, 2)), weights[w]);
+        }
+        qsort(values, SAMPLES, sizeof *values, compare);
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            /* Kolmogorov-Smirnov: 1.95 / sqrt(n) is passed once in a thousand. */
+            assert_true(fabs((double)values[i] - (i + 0.5) / SAMPLES) < 1.95 / sqrt(SAMPLES));
+        }
+    }
+    free(values);
+}
+
+static void mixed_ranks_begin_and_end_with_one_alone(void **state) {
+    (void)state;
+    for (int i = 0; i <= 10; i++) {
+        float a = 0.1f * (float)i;
+        float b = 1.0f - 0.07f * (float)i;
+        assert_true(velum_rank_mix(a, b, 0.0f) == a && velum_rank_mix(a, b, 1.0f) == b);
+        assert_true(fabsf(velum_rank_mix(a, b, 1e-4f) - a) < 1e-3f);
+        assert_true(fabsf(velum_rank_mix(a, b, 0.9999f) - b) < 1e-3f);
+        assert_true(fabsf(velum_detail_mix(a, b, 0.0f) - a) < 1e-6f);
+        assert_true(fabsf(velum_detail_mix(a, b, 1.0f) - b) < 1e-6f);
+    }
+}
+
+static void mixed_details_keep_their_variance(void **state) {
+    (void)state;
+    for (int w = 0; w <= 4; w++) {
+        double sum = 0.0;
+        double squares = 0.0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            float a = 0.3f + 0.4f * velum_hash_unit(velum_hash_2(i, 1));
+            float b = 0.3f + 0.4f * velum_hash_unit(velum_hash_2(i, 2));
+            double x = (double)velum_detail_mix(a, b, 0.25f * (float)w);
+            sum += x;
+            squares += x * x;
+        }
+        double mean = sum / SAMPLES;
+        assert_true(fabs(mean - 0.5) < 2e-3);
+        assert_true(fabs((squares / SAMPLES - mean * mean) / (0.16 / 12.0) - 1.0) < 0.02);
+    }
+}
+
+static void states_mix_by_their_coverage(void **state) {
+    (void)state;
+    const velum_slot_fields a = {.coverage = 0.8f, .base_m = 1000, .top_m = 2000, .extinction_1_m = 0.04f, .kind = 1};
+    const velum_slot_fields none = {.coverage = 0.0f, .base_m = 0, .top_m = 1, .extinction_1_m = 1e-7f};
+    /* Fading out, a cloud keeps its height. */
+    velum_slot_fields f = velum_fields_mix(a, none, 0.75f);
+    assert_true(fabsf(f.coverage - 0.2f) < 1e-6f && fabsf(f.base_m - 1000.0f) < 1e-3f);
+    assert_true(fabsf(f.extinction_1_m / 0.04f - 1.0f) < 1e-5f && f.kind == 1.0f);
+    f = velum_fields_mix(none, none, 0.3f);
+    assert_true(f.coverage == 0.0f && isfinite(f.base_m) && isfinite(f.extinction_1_m));
+    const velum_slot_fields b = {.coverage = 0.4f, .base_m = 1600, .top_m = 3000, .extinction_1_m = 0.04f, .kind = 0};
+    f = velum_fields_mix(a, b, 0.5f);
+    assert_true(fabsf(f.coverage - 0.6f) < 1e-6f && fabsf(f.base_m - 1200.0f) < 0.01f);
+    f = velum_fields_mix(a, b, 1.0f);
+    assert_true(f.base_m == 1600.0f && f.kind == 0.0f);
+}
+
+static void texels_give_back_fields(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        float height_m = -1000.0f + 26000.0f * velum_hash_unit(velum_hash_2(i, 1));
+        float wind_m_s = -127.0f + 254.0f * velum_hash_unit(velum_hash_2(i, 2));
+        float extinction = expf(-15.0f + 17.0f * velum_hash_unit(velum_hash_2(i, 3)));
+        float h = roundf(65535.0f * velum_texel_from_height(height_m)) / 65535.0f;
+        float w = roundf(65535.0f * velum_texel_from_wind(wind_m_s)) / 65535.0f;
+        float e = roundf(65535.0f * velum_texel_from_extinction(extinction)) / 65535.0f;
+        velum_slot_fields f = velum_fields_of_texels(0.5f, h, h, e, w, w, w, 1.0f);
+        assert_true(fabsf(f.base_m - height_m) < 0.25f && fabsf(f.wind_x_m_s - wind_m_s) < 0.003f);
+        assert_true(fabsf(f.extinction_1_m / extinction - 1.0f) < 2e-4f);
+    }
+    float calm = roundf(65535.0f * velum_texel_from_wind(0.0f)) / 65535.0f;
+    assert_true(fabsf(velum_texel_wind_m_s(calm)) < 1e-4f);
+}
+
+static void extinction_is_only_between_base_and_top(void **state) {
+    (void)state;
+    velum_slot_fields f = {.coverage = 1.0f, .base_m = 1000, .top_m = 2000, .extinction_1_m = 0.04f};
+    for (int slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        assert_true(velum_slot_extinction(slot, f, 999.0f, 1.0f, 1.0f, 1.0f) == 0.0f);
+        assert_true(velum_slot_extinction(slot, f, 2001.0f, 1.0f, 1.0f, 1.0f) == 0.0f);
+        assert_true(velum_slot_extinction(slot, f, 1500.0f, 1.0f, 1.0f, 1.0f) > 0.0f);
+        velum_slot_fields clear = f;
+        clear.coverage = 0.0f;
+        assert_true(velum_slot_extinction(slot, clear, 1500.0f, 1.0f, 1.0f, 1.0f) == 0.0f);
+    }
+    /* Uniform: the layer's own extinction, faces included. */
+    assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 1000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
+    assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
+}
+
+static void extinction_stays_finite_and_positive(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 200000; i++) {
+        velum_slot_fields f = {.coverage = velum_hash_unit(velum_hash_2(i, 1)),
+                               .base_m = -900.0f,
+                               .top_m = -900.0f + 25000.0f * powf(velum_hash_unit(velum_hash_2(i, 2)), 6.0f),
+                               .extinction_1_m = expf(-15.0f + 17.0f * velum_hash_unit(velum_hash_2(i, 3))),
+                               .kind = velum_hash_unit(velum_hash_2(i, 4))};
+        float height_m = f.base_m + (f.top_m - f.base_m) * velum_hash_unit(velum_hash_2(i, 5));
+        float found = velum_slot_extinction(
+            (int)(i % VELUM_SLOT_COUNT), f, height_m, velum_hash_unit(velum_hash_2(i, 6)),
+            2.0f * velum_hash_unit(velum_hash_2(i, 7)) - 1.0f, velum_hash_unit(velum_hash_2(i, 8)));
+        assert_true(isfinite(found) && found >= 0.0f && found < 20.0f * f.extinction_1_m);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hash_is_pcg),
+        cmocka_unit_test(hash_units_are_even),
+        cmocka_unit_test(mixed_ranks_are_uniform),
+        cmocka_unit_test(mixed_ranks_begin_and_end_with_one_alone),
+        cmocka_unit_test(mixed_details_keep_their_variance),
+        cmocka_unit_test(states_mix_by_their_coverage),
+        cmocka_unit_test(texels_give_back_fields),
+        cmocka_unit_test(extinction_is_only_between_base_and_top),
+        cmocka_unit_test(extinction_stays_finite_and_positive),
+    };
+    return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
+}
