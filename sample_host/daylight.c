@@ -78,5 +78,5 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     level_lx *= pow(cloud_transmittance(cover), 0.75);
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
-    return level_lx > 0 ? 1 / (0.12 * level_lx) : 1;
+    return level_lx > 0 ? 1 / (0.088 * level_lx) : 1;
 }

@@ -32,6 +32,10 @@ vec3 with_overlay(vec3 colour, ivec2 pixel) {
     return lit ? vec3(0.95) : 0.35 * colour;
 }
 
+// White as a camera set to daylight sees it: what faces a sun 45 degrees high through clear air, and the sky around it,
+// comes out grey. Fixed, so that mornings stay warm.
+const vec3 daylight_balance = vec3(0.93, 1.0, 1.11);
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(view.field_cell.w) || pixel.y >= int(view.tuft_cell.w)) {
@@ -40,7 +44,7 @@ void main() {
     vec3 host = imageLoad(colour_image, pixel).rgb;
     vec3 added = texelFetch(luminance_image, pixel, 0).rgb * view.wood_cell.w;
     vec3 through = texelFetch(transmittance_image, pixel, 0).rgb;
-    vec3 exposed = min((host * through + added) * view.region_cell.w, vec3(1e6));
+    vec3 exposed = min((host * through + added) * daylight_balance * view.region_cell.w, vec3(1e6));
     vec3 code = vec3(tone_map(exposed.r, exposed.g, exposed.b, 0), tone_map(exposed.r, exposed.g, exposed.b, 1),
                      tone_map(exposed.r, exposed.g, exposed.b, 2));
     imageStore(picture_image, pixel, vec4(with_overlay(code, pixel), 1.0));

@@ -45,7 +45,7 @@ TONE_FUNCTION float tone_look(float value, float luma, float saturation) {
 
 /* The code value (0..1) of one channel, 0 red, 1 green, 2 blue. */
 TONE_FUNCTION float tone_map(float red, float green, float blue, int channel) {
-    const float power = 1.2f, saturation = 1.2f;
+    const float power = 1.32f, saturation = 1.25f;
     float r = TONE_MAX(red, 0.0f), g = TONE_MAX(green, 0.0f), b = TONE_MAX(blue, 0.0f);
     float u = TONE_POW(tone_curve(0.842479062f * r + 0.0784335999f * g + 0.0792237451f * b), power);
     float v = TONE_POW(tone_curve(0.0423282422f * r + 0.878468637f * g + 0.0791661275f * b), power);
