@@ -285,6 +285,44 @@ static void refuses_bad_cameras(void **state) {
     host_finish(&h);
 }
 
+/* A host that prepares: frames rasterise nothing, say what is missing, and are whole once it is there. */
+static void prepare_makes_frames_whole(void **state) {
+    (void)state;
+    host h;
+    host_init(&h);
+    velum_prepare_eye eye = {.struct_size = sizeof eye};
+    memcpy(eye.position_ecef_m, h.at.position_ecef_m, sizeof eye.position_ecef_m);
+    velum_prepare_info info = {.struct_size = sizeof info, .eyes = &eye, .eye_count = 1, .max_tiles = 1};
+    velum_world_info before = {.struct_size = sizeof before};
+    velum_world_info after = {.struct_size = sizeof after};
+    assert_int_equal(h.f.world_api->prepare(h.f.world, &info), VELUM_INCOMPLETE);
+    assert_int_equal(h.f.world_api->get_info(h.f.world, &before), VELUM_OK);
+    assert_int_equal(before.tiles_rasterised, 1);
+    VkCommandBuffer commands = lent_begin(h.l, 0);
+    assert_int_equal(begin(&h), VELUM_OK);
+    assert_int_equal(h.api->record_shared(h.engine, commands, &h.at, 1, 0), VELUM_INCOMPLETE);
+    velum_vulkan_images images = lent_images(h.l, commands, 0);
+    assert_int_equal(h.api->record_view(h.views[0], commands, &h.camera, &images), VELUM_INCOMPLETE);
+    assert_int_equal(h.f.engine_api->end_frame(h.engine), VELUM_OK);
+    lent_submit(h.l, 0);
+    lent_wait(h.l);
+    assert_int_equal(h.f.world_api->get_info(h.f.world, &after), VELUM_OK);
+    assert_int_equal(after.tiles_rasterised, 1);
+    info.max_tiles = 0;
+    assert_int_equal(h.f.world_api->prepare(h.f.world, &info), VELUM_OK);
+    assert_int_equal(h.f.world_api->get_info(h.f.world, &before), VELUM_OK);
+    assert_true(before.tiles_rasterised > 1);
+    commands = lent_begin(h.l, 0);
+    assert_int_equal(begin(&h), VELUM_OK);
+    assert_int_equal(h.api->record_shared(h.engine, commands, &h.at, 1, 0), VELUM_OK);
+    assert_int_equal(h.api->record_view(h.views[0], commands, &h.camera, &images), VELUM_OK);
+    assert_int_equal(h.f.engine_api->end_frame(h.engine), VELUM_OK);
+    lent_submit(h.l, 0);
+    assert_int_equal(h.f.world_api->get_info(h.f.world, &after), VELUM_OK);
+    assert_int_equal(after.tiles_rasterised, before.tiles_rasterised);
+    host_finish(&h);
+}
+
 static void pipeline_cache_comes_back(void **state) {
     (void)state;
     host h;
@@ -314,8 +352,9 @@ static void pipeline_cache_comes_back(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(runs_in_silence),     cmocka_unit_test(refuses_the_wrong_order),
-        cmocka_unit_test(refuses_bad_serials), cmocka_unit_test(objects_outlive_their_handles),
-        cmocka_unit_test(refuses_bad_cameras), cmocka_unit_test(pipeline_cache_comes_back)};
+        cmocka_unit_test(runs_in_silence),          cmocka_unit_test(refuses_the_wrong_order),
+        cmocka_unit_test(refuses_bad_serials),      cmocka_unit_test(objects_outlive_their_handles),
+        cmocka_unit_test(refuses_bad_cameras),      cmocka_unit_test(prepare_makes_frames_whole),
+        cmocka_unit_test(pipeline_cache_comes_back)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -130,9 +130,65 @@ static void slab_without_weather_is_clear(void **state) {
     fixture_finish(&f);
 }
 
+/* What the host has drawn ends the rays, in each convention of depth. */
+static void depth_ends_the_rays(void **state) {
+    (void)state;
+    enum { PIXELS = SIDE * SIDE };
+    static float rgb[PIXELS * 3], depth[PIXELS];
+    const float near_m = 0.5f;
+    const float far_m = 50000.0f;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer slab = fixture_slab(2.0f);
+    fixture_commit(&f, &slab, 1);
+    velum_view *view = fixture_view(&f, f.eye, SIDE, SIDE);
+    double east[3], north[3], up[3];
+    fixture_axes(20.0, 100.0, east, north, up);
+    velum_eye_frame eye = {.struct_size = sizeof eye, .eye = f.eye};
+    fixture_position(20.0, 100.0, 500.0, eye.position_ecef_m);
+    velum_view_frame camera = fixture_camera(eye.position_ecef_m, up, north, 0.01f, 0.01f);
+    camera.depth_near_m = near_m;
+    camera.depth_far_m = far_m;
+    velum_frame_info frame = fixture_frame(east, 0.0, VELUM_ATMOSPHERE_NONE);
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = view,
+                                 .frame = &camera,
+                                 .transmittance_rgb = rgb,
+                                 .depth = depth,
+                                 .width = SIDE,
+                                 .height = SIDE};
+    /* Nothing, a wall below the slab, one in its middle. */
+    static const float walls_m[] = {0.0f, 400.0f, 1000.0f};
+    static const double depths[] = {2.0, 0.0, 1.0};
+    for (int wall = 0; wall < 3; wall++) {
+        for (int convention = VELUM_DEPTH_REVERSED_INFINITE; convention <= VELUM_DEPTH_DISTANCE; convention++) {
+            float z = walls_m[wall];
+            float d = z;
+            if (convention == VELUM_DEPTH_REVERSED_INFINITE) {
+                d = z > 0.0f ? near_m / z : 0.0f;
+            } else if (convention == VELUM_DEPTH_REVERSED) {
+                d = z > 0.0f ? near_m * (far_m - z) / (z * (far_m - near_m)) : 0.0f;
+            } else if (convention == VELUM_DEPTH_FORWARD) {
+                d = z > 0.0f ? far_m * (z - near_m) / (z * (far_m - near_m)) : 1.0f;
+            }
+            for (int i = 0; i < PIXELS; i++) {
+                depth[i] = d;
+            }
+            camera.depth_convention = convention;
+            eye.flags = VELUM_EYE_RESET;
+            assert_int_equal(f.standalone_api->render(f.engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+            /* Forward depth has few digits so far away. */
+            double slack = convention == VELUM_DEPTH_FORWARD ? 0.01 : 0.0;
+            assert_float_equal(rgb[0], exp(-depths[wall]), 0.01 * exp(-depths[wall]) + 0.002 + slack);
+        }
+    }
+    assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
+    fixture_finish(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(slab_without_weather_is_clear),
-                                       cmocka_unit_test(transmits_in_views),
-                                       cmocka_unit_test(transmits_in_shadow_maps)};
+                                       cmocka_unit_test(transmits_in_views), cmocka_unit_test(transmits_in_shadow_maps),
+                                       cmocka_unit_test(depth_ends_the_rays)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
