@@ -1,4 +1,5 @@
 /* Frames on a lent device: order, serials, lifetimes, and what the validation layers say. */
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -323,6 +324,57 @@ static void prepare_makes_frames_whole(void **state) {
     host_finish(&h);
 }
 
+/* [weather] calls of another thread; what fails there is counted, as cmocka asserts in the main thread alone. */
+static void *change_the_weather(void *context) {
+    host *h = context;
+    const velum_world_api *api = h->f.world_api;
+    uint64_t before = 0;
+    size_t failures = 0;
+    for (int i = 0; i < 40; i++) {
+        velum_layer layer = fixture_cumulus();
+        layer.coverage = 0.2f + 0.015f * (float)i;
+        const velum_cell cell = {.struct_size = sizeof cell,
+                                 .flags = VELUM_CELL_HAS_LAYERS,
+                                 .id = 2,
+                                 .kind = VELUM_CELL_RECTANGLE,
+                                 .lat_deg = 47.0,
+                                 .lon_deg = 11.0 + 0.01 * i,
+                                 .half_east_m = 20000.0,
+                                 .half_north_m = 10000.0,
+                                 .transition_m = 5000.0,
+                                 .layers = &layer,
+                                 .layer_count = 1};
+        const velum_state_desc desc = {
+            .struct_size = sizeof desc, .base_state = before, .cells = &cell, .cell_count = 1};
+        velum_prepare_eye eye = {.struct_size = sizeof eye, .time_s = i};
+        memcpy(eye.position_ecef_m, h->at.position_ecef_m, sizeof eye.position_ecef_m);
+        const velum_prepare_info info = {.struct_size = sizeof info, .eyes = &eye, .eye_count = 1, .max_tiles = 40};
+        uint64_t id = 0;
+        failures += api->commit(h->f.world, &desc, &id) != VELUM_OK;
+        failures += api->prepare(h->f.world, &info) < 0;
+        failures += before && api->retire(h->f.world, before) != VELUM_OK;
+        before = id;
+    }
+    return (void *)failures;
+}
+
+static void weather_changes_beside_frames(void **state) {
+    (void)state;
+    host h;
+    host_init(&h);
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, change_the_weather, &h), 0);
+    for (int i = 0; i < 30; i++) {
+        h.frame.time_s = 0.1 * i;
+        whole_frame(&h);
+    }
+    void *failures = NULL;
+    assert_int_equal(pthread_join(thread, &failures), 0);
+    assert_null(failures);
+    whole_frame(&h);
+    host_finish(&h);
+}
+
 static void pipeline_cache_comes_back(void **state) {
     (void)state;
     host h;
@@ -351,10 +403,13 @@ static void pipeline_cache_comes_back(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(runs_in_silence),          cmocka_unit_test(refuses_the_wrong_order),
-        cmocka_unit_test(refuses_bad_serials),      cmocka_unit_test(objects_outlive_their_handles),
-        cmocka_unit_test(refuses_bad_cameras),      cmocka_unit_test(prepare_makes_frames_whole),
-        cmocka_unit_test(pipeline_cache_comes_back)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(runs_in_silence),
+                                       cmocka_unit_test(refuses_the_wrong_order),
+                                       cmocka_unit_test(refuses_bad_serials),
+                                       cmocka_unit_test(objects_outlive_their_handles),
+                                       cmocka_unit_test(refuses_bad_cameras),
+                                       cmocka_unit_test(prepare_makes_frames_whole),
+                                       cmocka_unit_test(weather_changes_beside_frames),
+                                       cmocka_unit_test(pipeline_cache_comes_back)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

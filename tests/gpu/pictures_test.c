@@ -261,6 +261,58 @@ static void wind_builds_no_tiles(void **state) {
     fixture_finish(&f);
 }
 
+/* Over a front with an edge: wherever the eye goes, all tiles are there, and what was sent stays. */
+static void flight_stays_whole(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer cumulus = fixture_cumulus();
+    const velum_cell cell = {.struct_size = sizeof cell,
+                             .flags = VELUM_CELL_HAS_LAYERS,
+                             .id = 5,
+                             .kind = VELUM_CELL_RECTANGLE,
+                             .lat_deg = 50.0,
+                             .lon_deg = 8.5,
+                             .half_east_m = 60000.0,
+                             .half_north_m = 30000.0,
+                             .transition_m = 1000.0,
+                             .layers = &cumulus,
+                             .layer_count = 1};
+    const velum_state_desc desc = {.struct_size = sizeof desc, .cells = &cell, .cell_count = 1};
+    uint64_t id = 0;
+    assert_int_equal(f.world_api->commit(f.world, &desc, &id), VELUM_OK);
+    picture *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    uint64_t uploads[2] = {0, 0};
+    velum_view_stats stats = {.struct_size = sizeof stats};
+    velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
+    double east[3], north[3], up[3];
+    fixture_axes(50.0, 8.5, east, north, up);
+    for (int i = 0; i < 30; i++) {
+        velum_frame_info frame = fixture_frame(up, 1.0 * i, VELUM_ATMOSPHERE_NONE);
+        velum_eye_frame eye = {.struct_size = sizeof eye, .eye = f.eye};
+        fixture_position(50.0, 8.5 + 0.004 * i, 300.0, eye.position_ecef_m);
+        velum_view_frame camera = fixture_camera(eye.position_ecef_m, north, east, 0.5f, 0.4f);
+        const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                     .view = view,
+                                     .frame = &camera,
+                                     .transmittance_rgb = p->transmittance,
+                                     .distance_m = p->distance,
+                                     .width = WIDTH,
+                                     .height = HEIGHT};
+        assert_int_equal(f.standalone_api->render(f.engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+        assert_int_equal(f.engine_api->get_stats(view, &stats), VELUM_OK);
+        assert_int_equal(stats.incomplete, 0);
+        uploads[i > 0] = fixture_pages_uploaded(f.engine);
+    }
+    /* 8.6 km of flight send a part of what the place took. */
+    assert_true(uploads[0] > 20);
+    assert_true(uploads[1] - uploads[0] < uploads[0]);
+    assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
+    free(p);
+    fixture_finish(&f);
+}
+
 /* A commit that leaves a place as it was sends nothing there. */
 static void equal_states_share_pages(void **state) {
     (void)state;
@@ -349,6 +401,7 @@ int main(void) {
                                        cmocka_unit_test(no_line_in_cloud),
                                        cmocka_unit_test(wind_builds_no_tiles),
                                        cmocka_unit_test(equal_states_share_pages),
+                                       cmocka_unit_test(flight_stays_whole),
                                        cmocka_unit_test(shadow_map_is_fixed_to_the_world)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
