@@ -23,6 +23,7 @@ VELUM_STRUCT(velum_profile) {
     float amplitude;    /* of the lumps, in e */
     float softness;     /* of the boundary, in e */
     float erosion;      /* of the boundary by fine detail, in e */
+    float foot;         /* share of the carving at the base: little leaves plates, all of it ragged feet */
     float stem;         /* g below the anvil, 0: none */
     float growth;       /* of water with height: 0 constant, 1 adiabatic (linear) */
     float base_soft_m;  /* the base is not a knife's edge */
@@ -69,6 +70,7 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
     p.amplitude = velum_mix(a.amplitude, b.amplitude, t);
     p.softness = velum_mix(a.softness, b.softness, t);
     p.erosion = velum_mix(a.erosion, b.erosion, t);
+    p.foot = velum_mix(a.foot, b.foot, t);
     p.stem = velum_mix(a.stem, b.stem, t);
     p.growth = velum_mix(a.growth, b.growth, t);
     p.base_soft_m = velum_mix(a.base_soft_m, b.base_soft_m, t);
@@ -85,6 +87,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     p.amplitude = amplitude;
     p.softness = softness;
     p.erosion = erosion;
+    p.foot = 0.35f;
     p.stem = stem;
     p.growth = growth;
     p.base_soft_m = base_soft_m;
@@ -101,8 +104,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.15f, 0.25f, 0.10f, 0.0f, 0.5f, 40.0f),
                                 velum_profile_make(0.88f, 2.4f, 0.40f, 0.12f, 0.22f, 0.0f, 0.7f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        p = velum_profile_blend(velum_profile_make(0.88f, 1.5f, 0.50f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
-                                velum_profile_make(0.85f, 2.0f, 0.55f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.88f, 3.0f, 0.60f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
+                                velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
         p = velum_profile_make(0.80f, 5.0f, 0.70f, 0.06f, 0.20f, 0.40f, 0.4f, 40.0f);
     } else if (slot == VELUM_SLOT_MIDDLE) {
@@ -128,6 +131,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                     2.0f * kind - 1.0f);
         }
     }
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 0.85f : p.foot;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured = velum_calibration_of(slot, kind, fields.coverage, thickness_m,
                                                       fields.extinction_1_m * thickness_m);
@@ -157,7 +161,7 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
  * shows neither). */
 VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
-    return carve * velum_smoothstep(-0.25f, 0.35f, z);
+    return carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
 }
 
 /* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. */

@@ -63,7 +63,7 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
 static bool solve(const core_noise *noise, const column_case *of, float coverage, velum_calibration *found) {
     trial_calibration = (velum_calibration){1.2f, 2.0f, 1.0f};
     float low = 1.0f;
-    float high = 4.0f;
+    float high = 5.0f;
     column_stats s;
     for (int round = 0; round < ROUNDS; round++) {
         trial_calibration.reach = reach_factor(noise, of, coverage);
