@@ -50,6 +50,7 @@ struct cloud_hit {
     velum_slot_fields fields;
     velum_profile profile;
     float excess;
+    float margin; /* velum_margin */
     float extinction_1_m;
     vec3 r;
     vec3 normal;
@@ -59,11 +60,14 @@ struct cloud_hit {
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
  * those of r. */
 float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
-    const float ratio = 1.7;
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
     float ahead = min((f.top_m - hit.height_m) / max(mu_sun, 0.06), 2.5 * thickness + 1500.0);
-    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, float(max(steps, 1))) - 1.0);
+    /* The first is short enough for the next lump's shadow, however deep the cloud. */
+    const float first_m = 90.0;
+    float count = float(max(steps, 2));
+    float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
+    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
     float depth = 0.0;
     float done = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -97,14 +101,17 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     float above = clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
     /* Orders of scattering: the first by its own phase, those that keep near the forward peak by a widened one, the
      * rest as diffuse light that falls off as 1 / depth (two streams). */
+    /* Light that has turned comes by the nearest way out, and that is often the flank: about a tenth of the noise's
+     * period from hem to heart. */
+    float flank = f.extinction_1_m * hit.profile.density_scale * hit.margin * 0.09 / eye.slots[hit.slot].shape_0.w;
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = phases.widened * exp(-0.30 * depth) * (1.0 - exp(-0.25 * (column + depth)));
     float thick = 1.0 - exp(-0.10 * (column + depth));
-    float diffuse = phases.diffuse * thick / (1.0 + 0.07 * depth);
+    float diffuse = phases.diffuse * thick / (1.0 + 0.07 * min(depth, 50.0 + 3.0 * flank));
     float orders = first + 0.55 * widened + 1.9 * VELUM_INV_4PI * diffuse;
     /* Sky above and ground below, each dimmed by the cloud that lies between. */
-    vec3 from_above = ambient_at(hit.height_m, false) / (1.0 + 0.10 * column * above);
-    vec3 from_below = ambient_at(hit.height_m, true) / (1.0 + 0.10 * column * z);
+    vec3 from_above = ambient_at(hit.height_m, false) / (1.0 + 0.10 * min(column * above, flank));
+    vec3 from_below = ambient_at(hit.height_m, true) / (1.0 + 0.10 * min(column * z, flank));
     vec3 source = sun * orders + (from_above + from_below) * 0.5;
 
     /* A uniform layer knows its depth in closed form. */
@@ -184,7 +191,9 @@ void main() {
         bool seeking = true;
         while (seeking) {
             bool is_short = position < short_until;
-            float long_dt = max(dt_min, position * growth);
+            /* Longer as they run out, so that a ray comes to its end. */
+            float spent = 1.0 - float(left) / float(view.steps.x);
+            float long_dt = max(dt_min, position * growth) * (1.0 + 4.0 * spent * spent * spent);
             dt = min(is_short ? long_dt * short_share : long_dt, end - position);
             at = position + dt * offset;
             vec3 r = ray.origin + ray.direction * at;
@@ -208,7 +217,7 @@ void main() {
                 uint bit = 1u << uint(candidate);
                 bool outside = high < bounds.x || low > bounds.y;
                 bool here = (tile.mask & bit) != 0u;
-                float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : 0.05 * at);
+                float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : 0.1 * at);
                 advance = min(advance, away);
                 bool fresh = !outside && here && (done & bit) == 0u;
                 meets |= fresh ? bit : 0u;
@@ -246,6 +255,7 @@ void main() {
             hit.fields = f;
             hit.profile = profile;
             hit.excess = e;
+            hit.margin = max(velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine), 0.0);
             hit.extinction_1_m = extinction;
             hit.r = r;
             hit.normal = normal;

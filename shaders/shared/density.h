@@ -164,9 +164,14 @@ VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     return carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
 }
 
+/* How far inside the boundary, in e; negative outside. */
+VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float fine) {
+    return e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
+}
+
 /* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. */
 VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
-    float f = e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
+    float f = velum_margin(p, e, z, lump, fine);
     float inside = velum_smoothstep(0.0f, p.softness, f);
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
