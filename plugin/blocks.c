@@ -13,20 +13,6 @@
 /* -ln 0.05: extinction times meteorological optical range (5 % contrast; WMO-No. 8, 9.1.1). */
 #define MOR_FACTOR 2.995732f
 
-/* Where one life has all the weight it comes first: the plain shaders look at no other. */
-static core_drift drift_first(const core_drift *d) {
-    core_drift out = *d;
-    if (d->weight[0] == 0.0f) {
-        for (int life = 0; life < 2; life++) {
-            out.tau_s[life] = d->tau_s[life ^ 1];
-            out.weight[life] = d->weight[life ^ 1];
-            out.cycle[life] = d->cycle[life ^ 1];
-            memcpy(out.offset[life], d->offset[life ^ 1], sizeof out.offset[life]);
-        }
-    }
-    return out;
-}
-
 static void fill_drift(const core_drift *d, velum_eye_block *out) {
     out->weather[2] = d->tau_s[0];
     out->weather[3] = d->tau_s[1];
@@ -142,13 +128,12 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     out->sun_lx[3] = f->sun_angular_radius_rad;
     out->ground[3] = f->atmosphere == VELUM_ATMOSPHERE_EARTH ? 1.0f : 0.0f;
     out->span[3] = plan ? plan->distance_m : t->has_set ? (float)t->set.distance_m : 0.0f;
-    const core_drift drift = drift_first(&e->drift);
-    fill_drift(&drift, out);
+    fill_drift(&e->drift, out);
     fill_surface(e, normal, out);
     fill_bounds(t, mask, out);
     fill_optics(e, out);
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        fill_phases(&drift, slot, position_ecef_m, &out->slots[slot]);
+        fill_phases(&e->drift, slot, position_ecef_m, &out->slots[slot]);
     }
     return true;
 }

@@ -17,6 +17,12 @@ float fog_extinction_1_m(float height_m) {
     return eye.drift.y * velum_fog_density(height_m, eye.drift.z);
 }
 
+/* Haze thins out upward from the surface; it has no top. */
+const float haze_scale_m = 1500.0;
+float haze_extinction_1_m(float height_m) {
+    return eye.drift.w * exp(-max(height_m - eye.span.z, 0.0) / haze_scale_m);
+}
+
 /* Of clean air, from a height to space; below the horizon as at it. */
 vec3 air_to_space(float height_m, float mu) {
     velum_air_uv uv = velum_air_uv_of(height_m, mu);
@@ -39,15 +45,16 @@ vec3 sun_through_air(float height_m, float mu) {
     return air_to_space(height_m, max(mu, velum_horizon_mu(height_m))) * sun_over_horizon(height_m, mu);
 }
 
-/* Of fog over a straight stretch between two heights. */
+/* Of fog and haze over a straight stretch between two heights. */
 float fog_between(float h0, float h1, float distance_m) {
-    if (eye.drift.y <= 0.0) {
-        return 1.0;
-    }
     float rise = h1 - h0;
-    float column = abs(rise) > 1.0 ? (velum_fog_column_m(h1, eye.drift.z) - velum_fog_column_m(h0, eye.drift.z)) / rise
-                                   : velum_fog_density(h0, eye.drift.z);
-    return exp(-eye.drift.y * max(column, 0.0) * distance_m);
+    bool level = abs(rise) < 1.0;
+    float fog = level ? velum_fog_density(h0, eye.drift.z)
+                      : (velum_fog_column_m(h1, eye.drift.z) - velum_fog_column_m(h0, eye.drift.z)) / rise;
+    float e0 = haze_extinction_1_m(h0);
+    float e1 = haze_extinction_1_m(h1);
+    float haze = level ? e0 : haze_scale_m * (e0 - e1) / rise;
+    return exp(-(eye.drift.y * max(fog, 0.0) + max(haze, 0.0)) * distance_m);
 }
 
 /* Of air and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1, so far on. */
@@ -103,8 +110,11 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         velum_place p = place_of(o + d * t);
         float mu_sun = dot(vec3(p.nx, p.ny, p.nz), eye.sun.xyz);
         float fog = fog_extinction_1_m(p.height_m);
-        vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog);
+        float haze = haze_extinction_1_m(p.height_m);
+        vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
         vec3 source = air_source(p.height_m, mu_sun, cos_sun, with_glow);
+        source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, 0.7) +
+                          1.5 * glow_at(p.height_m, mu_sun));
         if (fog > 0.0) {
             /* Fog scatters all it takes, many times over: its first order is dimmed by the fog above, and what was
              * scattered before comes from all sides. */
