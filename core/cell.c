@@ -294,6 +294,7 @@ static void make_slots(core_cell_reading *reading, const frame *at) {
             out->field[CORE_FIELD_WIND_X + i] = c * wind[i];
         }
         out->field[CORE_FIELD_KIND] = c * layer->kind;
+        out->field[CORE_FIELD_FULL] = c * c;
         reading->min_base_m = fminf(reading->min_base_m, layer->base_m);
         reading->max_top_m = fmaxf(reading->max_top_m, layer->top_m);
     }

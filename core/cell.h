@@ -25,6 +25,7 @@ enum {
     CORE_FIELD_WIND_Y, /*                        north */
     CORE_FIELD_WIND_Z,
     CORE_FIELD_KIND,
+    CORE_FIELD_FULL, /* the coverage that the layer has where its cell acts alone */
     CORE_FIELD_COUNT
 };
 

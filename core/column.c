@@ -164,7 +164,42 @@ static double smooth(double low, double high, double x) {
     return t * t * (3.0 - 2.0 * t);
 }
 
+/* What is left of a sheet's thickness at its very edge. */
+#define EDGE_THICKNESS_M 200.0f
+
+float core_blend_fullness(const float *field) {
+    float c = field[CORE_FIELD_COVERAGE];
+    return field[CORE_FIELD_FULL] > c * c ? c * c / field[CORE_FIELD_FULL] : 1.0f;
+}
+
+float core_blend_top(uint32_t slot, const float *field) {
+    const uint32_t sheets =
+        1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_MIDDLE | 1u << VELUM_SLOT_HIGH;
+    float full = core_blend_fullness(field);
+    if (!(sheets & (1u << slot)) || full > 1.0f - 1e-5f) {
+        return field[CORE_FIELD_TOP];
+    }
+    float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
+    float edge = fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
+    return field[CORE_FIELD_BASE] + edge + (thickness - edge) * full * full;
+}
+
 /* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */
+static bool is_sharp(const core_cell *cell, double texel_m) {
+    return 0.5 * cell->transition_m <= core_min(CORE_EDGE_TEXELS * texel_m, cell->breadth_m);
+}
+
+/* At a sharp edge nothing thins out: fullness goes over to 1 along the ramp. */
+static void keep_full(core_blend *blend, const core_blend *before, float weight) {
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (blend->mask & (1u << slot)) {
+            float *to = blend->slot[slot];
+            float full = before->mask & (1u << slot) ? core_blend_fullness(before->slot[slot]) : 1.0f;
+            to[CORE_FIELD_FULL] = to[CORE_FIELD_COVERAGE] * to[CORE_FIELD_COVERAGE] / velum_mix(full, 1.0f, weight);
+        }
+    }
+}
+
 static float region_weight(const core_cell *cell, const double normal[3], double lat_deg, double lon_deg,
                            double texel_m) {
     double ramp_m = core_min(CORE_EDGE_TEXELS * texel_m, cell->breadth_m);
@@ -267,9 +302,17 @@ void core_blend_region(const core_cell *cell, const double normal[3], double lat
     float weight = region_weight(cell, normal, lat_deg, lon_deg, texel_m);
     if (weight > 0.0f) {
         mixture mix;
+        core_blend before;
+        bool sharp = weight < 1.0f && is_sharp(cell, texel_m);
+        if (sharp) {
+            before = *blend;
+        }
         mixture_begin(&mix, with_surface);
         mixture_add(&mix, &cell->fields, cell->slots, weight, with_surface);
         mixture_apply(blend, &mix, false, 1.0f, with_surface);
+        if (sharp) {
+            keep_full(blend, &before, weight);
+        }
     }
 }
 
@@ -321,7 +364,7 @@ static void set_layers(const core_state *state, const double normal[3], const co
         out->slot[slot] = (velum_slot_fields){
             .coverage = fminf(f[CORE_FIELD_COVERAGE], 1.0f),
             .base_m = f[CORE_FIELD_BASE] * scale + state->undulation_m,
-            .top_m = f[CORE_FIELD_TOP] * scale + state->undulation_m,
+            .top_m = core_blend_top(slot, f) * scale + state->undulation_m,
             .extinction_1_m = expf(f[CORE_FIELD_LOG_EXTINCTION] * scale),
             .wind_x_m_s = wind[0],
             .wind_y_m_s = wind[1],

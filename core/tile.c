@@ -72,7 +72,7 @@ typedef struct texel {
 
 enum { TEXEL_COVERAGE, TEXEL_BASE, TEXEL_TOP, TEXEL_EXTINCTION, TEXEL_WIND, TEXEL_KIND = 7 };
 
-static texel make_texel(const float *field, const double normal[3], float undulation_m) {
+static texel make_texel(uint32_t slot, const float *field, const double normal[3], float undulation_m) {
     float scale = 1.0f / field[CORE_FIELD_COVERAGE];
     const float *wind = &field[CORE_FIELD_WIND_X];
     float up = wind[0] * (float)normal[0] + wind[1] * (float)normal[1] + wind[2] * (float)normal[2];
@@ -80,7 +80,7 @@ static texel make_texel(const float *field, const double normal[3], float undula
     texel out;
     out.value[TEXEL_COVERAGE] = unorm(velum_clamp(field[CORE_FIELD_COVERAGE], 0.0f, 1.0f));
     out.value[TEXEL_BASE] = unorm(velum_texel_from_height(field[CORE_FIELD_BASE] * scale + undulation_m));
-    out.value[TEXEL_TOP] = unorm(velum_texel_from_height(field[CORE_FIELD_TOP] * scale + undulation_m));
+    out.value[TEXEL_TOP] = unorm(velum_texel_from_height(core_blend_top(slot, field) * scale + undulation_m));
     out.value[TEXEL_EXTINCTION] = unorm(velum_clamp(
         (log2_extinction - VELUM_TEXEL_LOG2_EXTINCTION_MIN) / VELUM_TEXEL_LOG2_EXTINCTION_RANGE, 0.0f, 1.0f));
     for (uint32_t axis = 0; axis < 3; axis++) {
@@ -160,7 +160,7 @@ static void take_texel(raster *out, uint32_t at, const core_blend *blend, const 
     uint32_t j = at / WIDE;
     for (uint32_t slot = 0; blend->mask >> slot; slot++) {
         if (blend->mask & (1u << slot) && blend->slot[slot][CORE_FIELD_COVERAGE] > 1e-12f) {
-            texel made = make_texel(blend->slot[slot], normal, undulation_m);
+            texel made = make_texel(slot, blend->slot[slot], normal, undulation_m);
             out->covered[slot][at] = 1;
             out->texels[slot][at] = made;
             if (made.value[TEXEL_COVERAGE] > 0 && i > 0 && i < WIDE - 1 && j > 0 && j < WIDE - 1) {

@@ -430,6 +430,73 @@ static void wind_is_a_vector(void **unused) {
     core_state_unref(state);
 }
 
+static velum_slot_fields middle_at(const core_state *state, double east_m) {
+    double lat;
+    double lon;
+    assert_true(core_geodesic_direct(47.0, 11.0, 90.0, east_m, &lat, &lon));
+    return column_at(state, lat, lon, 76.0).slot[VELUM_SLOT_MIDDLE];
+}
+
+static void a_sheet_thins_out_where_it_ends(void **unused) {
+    (void)unused;
+    velum_layer sheet = layer_of(VELUM_GENUS_NS, 0.9f, 1000.0f, 4000.0f);
+    velum_layer tower = layer_of(VELUM_GENUS_CB, 0.9f, 1000.0f, 9000.0f);
+    const velum_layer both[2] = {sheet, tower};
+    velum_cell cell = cell_of(VELUM_CELL_RECTANGLE, 1, both, 2);
+    cell.lat_deg = 47.0;
+    cell.lon_deg = 11.0;
+    cell.half_east_m = cell.half_north_m = 20000.0;
+    cell.transition_m = 12000.0;
+    velum_state_desc desc = desc_of(&cell, 1);
+    core_state *state = state_of(&desc, NULL, 1);
+    float last_m = 3001.0f;
+    for (double d = 0.0; d < 31900.0; d += 100.0) {
+        velum_slot_fields f = middle_at(state, d);
+        float thickness_m = f.top_m - f.base_m;
+        assert_float_equal(f.base_m, 1000.0f, 0.5f);
+        assert_float_equal(thickness_m, d < 19900.0 ? 3000.0f : thickness_m, 0.5f);
+        assert_true(thickness_m <= last_m + 0.5f && last_m - thickness_m < 120.0f && thickness_m > 199.0f);
+        /* Half gone, it is no deeper than its cells (a kilometre or two) are wide. */
+        assert_true(f.coverage > 0.45f || thickness_m < 1000.0f);
+        last_m = thickness_m;
+    }
+    assert_true(last_m < 210.0f);
+    double lat;
+    double lon;
+    assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
+    core_column c = column_at(state, lat, lon, 76.0);
+    assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 9000.0f, 0.5f); /* a tower is one to its edge */
+    core_state_unref(state);
+
+    /* Cut sharply it keeps its depth to the edge. */
+    cell.transition_m = 0.0;
+    state = state_of(&desc, NULL, 1);
+    for (double d = 19800.0; d < 20070.0; d += 10.0) {
+        assert_float_equal(middle_at(state, d).top_m, 4000.0f, 0.5f);
+    }
+    core_state_unref(state);
+
+    /* Where a region gives the sky that is there already, no seam shows. */
+    velum_cell cells[2] = {cell_of(VELUM_CELL_GLOBAL, 2, &sheet, 1), cell};
+    cells[1].transition_m = 12000.0;
+    cells[1].layer_count = 1;
+    desc = desc_of(cells, 2);
+    state = state_of(&desc, NULL, 1);
+    for (double d = 0.0; d < 40000.0; d += 500.0) {
+        assert_float_equal(middle_at(state, d).top_m, 4000.0f, 0.5f);
+    }
+    core_state_unref(state);
+
+    /* Round a hole the sheet thins out towards it. */
+    cells[1].layer_count = 0;
+    state = state_of(&desc, NULL, 1);
+    assert_float_equal(middle_at(state, 35000.0).top_m, 4000.0f, 0.5f);
+    velum_slot_fields rim = middle_at(state, 24000.0);
+    assert_true(rim.coverage > 0.05f && rim.coverage < 0.45f && rim.top_m - rim.base_m < 1000.0f);
+    core_state_unref(state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_global_cell_is_everywhere),
@@ -443,6 +510,7 @@ int main(void) {
         cmocka_unit_test(a_region_over_the_antimeridian_has_no_line),
         cmocka_unit_test(regions_lie_over_stations_by_priority),
         cmocka_unit_test(wind_is_a_vector),
+        cmocka_unit_test(a_sheet_thins_out_where_it_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
