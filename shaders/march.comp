@@ -265,7 +265,7 @@ void main() {
             --left;
             if (found && !is_short && !uniform_layer) {
                 short_until = position + dt;
-                position = max(position - 0.5 * dt, settled);
+                position = max(at - dt, settled);
                 found = false;
                 advance = 1.0e9;
                 done = 0u;
@@ -273,8 +273,8 @@ void main() {
                 short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
                 settled = found ? position + dt : settled;
                 /* Beside a cloud, shorter ones: a long step would pass over its edge. */
-                float share = within && e > -0.25 && !found ? 0.4 : 1.0;
-                position = max(position + dt * share, at + advance);
+                float share = within && !found ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
+                position += found ? dt : max(dt * share, advance);
                 advance = 1.0e9;
                 done = 0u;
             }
