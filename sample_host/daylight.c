@@ -74,8 +74,9 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     daylight_compute(sun_sine, illuminance_lx, atmosphere, &none, &light);
     /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. */
     double level_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
-    /* The eye does not follow all the way: overcast stays duller than sunshine. */
-    level_lx *= pow(cloud_transmittance(cover), 0.75);
+    /* Thin or broken cloud is as bright as anything in the sky; under a fifth of the light the eye follows, not all the
+     * way, so that overcast stays duller than sunshine. */
+    level_lx *= fmin(1, pow(5 * cloud_transmittance(cover), 0.8));
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
     return level_lx > 0 ? 1 / (0.088 * level_lx) : 1;

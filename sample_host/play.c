@@ -156,7 +156,7 @@ static bool play_headless(const struct options *options) {
         done = false;
     }
     if (done) {
-        printf("%llu pictures of %u channels in %s\n", (unsigned long long)times.count, channels, folder);
+        printf("%llu pictures in %s\n", (unsigned long long)times.count * channels, folder);
     }
     return done;
 }

@@ -16,6 +16,7 @@ static double now_s(void) {
 void progress_start(struct progress *progress, uint64_t total) {
     *progress = (struct progress){.shown = isatty(STDERR_FILENO) == 1 && total > 1, .total = total};
     progress->started_s = now_s();
+    progress_update(progress, 0);
 }
 
 void progress_update(struct progress *progress, uint64_t done) {
