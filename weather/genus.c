@@ -49,3 +49,16 @@ void weather_genus_fill(velum_layer *layer, float temperature_k, float base_temp
                                      : typical->water_g_m3;
     }
 }
+
+float weather_thickness_limit_m(int32_t genus, float coverage) {
+    float shallow_m;
+    switch (genus) {
+    case VELUM_GENUS_CU:
+    case VELUM_GENUS_CB: return INFINITY;
+    case VELUM_GENUS_CI:
+    case VELUM_GENUS_CC:
+    case VELUM_GENUS_CS: shallow_m = 800.0f; break;
+    default: shallow_m = 400.0f;
+    }
+    return shallow_m / fmaxf(1.0f - coverage, 1e-3f);
+}

@@ -24,4 +24,8 @@ const weather_genus *weather_genus_of(int32_t genus);
 /* Sets water, water_g_m3 and radius_um. source_g_m3: water content in cloud by the source; NaN or 0: not known. */
 void weather_genus_fill(velum_layer *layer, float temperature_k, float base_temperature_k, float source_g_m3);
 
+/* A layer that leaves much of the sky clear is shallow: a sheet or field of this cover is no thicker. Cu, Cb: infinite.
+ */
+float weather_thickness_limit_m(int32_t genus, float coverage);
+
 #endif

@@ -13,9 +13,9 @@ static const float top_limit_m = 25000.0f;
 
 typedef struct deck_shape {
     float cover, base_m, top_m, base_k, middle_k, top_k;
-    float middle_pa;
+    float base_pa, middle_pa, top_pa;
     float lapse_k_km;
-    float water_g_m3; /* in cloud; NaN: not known */
+    float path_g_m2; /* in cloud; NaN: not known */
 } deck_shape;
 
 float grib_geometric_height_m(float geopotential_m) {
@@ -121,19 +121,31 @@ static deck_shape shape_of(const grib_profile *profile, const grib_deck *deck, f
     deck_shape shape = {.cover = fminf(deck->cover, 1.0f)};
     const float base_pa = fmaxf(deck->base_pa, deck->top_pa), top_pa = fminf(deck->base_pa, deck->top_pa);
     const float base_m = grib_profile_height_m(profile, base_pa), top_m = grib_profile_height_m(profile, top_pa);
+    shape.base_pa = base_pa;
     shape.middle_pa = sqrtf(base_pa * top_pa);
+    shape.top_pa = top_pa;
     shape.base_k = grib_profile_temperature_k(profile, base_pa);
     shape.middle_k = grib_profile_temperature_k(profile, shape.middle_pa);
     shape.top_k = grib_profile_temperature_k(profile, top_pa);
     shape.lapse_k_km = top_m - base_m > 1.0f ? 1000.0f * (shape.base_k - shape.top_k) / (top_m - base_m) : 0.0f;
     shape.base_m = fminf(fmaxf(base_m, elevation_m + 30.0f), top_limit_m - least_thickness_m);
     shape.top_m = fminf(fmaxf(top_m, shape.base_m + least_thickness_m), top_limit_m);
-    shape.water_g_m3 = NAN;
+    shape.path_g_m2 = NAN;
     if (has_water(profile)) {
-        const float path = grib_profile_water_path_g_m2(profile, base_pa, top_pa);
-        shape.water_g_m3 = path / (shape.top_m - shape.base_m) / shape.cover;
+        shape.path_g_m2 = grib_profile_water_path_g_m2(profile, base_pa, top_pa) / shape.cover;
     }
     return shape;
+}
+
+static void limit_thickness(deck_shape *shape, const grib_profile *profile, int32_t genus) {
+    const float thickness_m = shape->top_m - shape->base_m;
+    const float limit_m = weather_thickness_limit_m(genus, shape->cover);
+    if (thickness_m > limit_m) {
+        const float half = 0.5f * limit_m / thickness_m;
+        shape->top_m = shape->base_m + limit_m;
+        shape->middle_pa = shape->base_pa * powf(shape->top_pa / shape->base_pa, half);
+        shape->middle_k = grib_profile_temperature_k(profile, shape->middle_pa);
+    }
 }
 
 static int32_t low_genus(const deck_shape *low, const deck_shape *middle, const grib_surface *surface,
@@ -221,10 +233,11 @@ uint32_t grib_column_layers(const grib_profile *profile, const grib_deck decks[G
     uint32_t count = 0;
     int rain_bearer = -1;
     for (int i = 0; i < GRIB_DECKS; ++i) {
-        const deck_shape *shape = &shapes[i];
+        deck_shape *shape = &shapes[i];
         if (shape->cover < least_cover) {
             continue;
         }
+        limit_thickness(shape, profile, genera[i]);
         velum_layer *layer = &layers[count++];
         memset(layer, 0, sizeof(*layer));
         layer->struct_size = sizeof(*layer);
@@ -232,7 +245,8 @@ uint32_t grib_column_layers(const grib_profile *profile, const grib_deck decks[G
         layer->coverage = shape->cover;
         layer->base_m = shape->base_m;
         layer->top_m = shape->top_m;
-        weather_genus_fill(layer, shape->middle_k, shape->base_k, i == GRIB_DECK_CONVECTIVE ? NAN : shape->water_g_m3);
+        weather_genus_fill(layer, shape->middle_k, shape->base_k,
+                           i == GRIB_DECK_CONVECTIVE ? NAN : shape->path_g_m2 / (shape->top_m - shape->base_m));
         set_wind(layer, profile, shape->middle_pa);
         if (i == GRIB_DECK_CONVECTIVE && surface->convective_mm_h > 0.01f) {
             layer->precipitation_mm_h = fminf(surface->convective_mm_h / shape->cover, 100.0f);

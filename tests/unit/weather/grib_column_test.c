@@ -116,9 +116,43 @@ static void cold_layers_are_ice(void **state) {
     assert_int_equal(layers[1].water, VELUM_WATER_ICE);
     assert_int_equal(layers[1].genus, VELUM_GENUS_CI);
     near_to((double)layers[1].base_m, 8117.0, 60.0);
-    near_to((double)layers[1].top_m, 10363.0, 60.0);
+    near_to((double)layers[1].top_m, (double)layers[1].base_m + 800.0 / 0.6, 0.5);
     assert_true(layers[1].radius_um > layers[0].radius_um);
     assert_true(layers[1].water_g_m3 > 0.0f && layers[1].water_g_m3 < 0.05f);
+}
+
+/* What leaves much of the sky clear is shallow, keeps its base and its water path; what covers all is as deep as the
+ * file says, and towers always are. */
+static void broken_layers_are_shallow(void **state) {
+    (void)state;
+    grib_profile profile;
+    grib_standard_profile(&profile);
+    for (uint32_t i = 0; i < profile.count; ++i) {
+        profile.water_kg_kg[i] = 6e-5f;
+    }
+    const grib_surface surface = dry_surface();
+    static const float covers[] = {0.02f, 0.1f, 0.3f, 0.5f, 0.7f, 0.85f, 1.0f};
+    float last_m = 0.0f;
+    for (int i = 0; i < 7; ++i) {
+        const grib_deck decks[GRIB_DECKS] = {[GRIB_DECK_MIDDLE] = {covers[i], 65000.0f, 42000.0f}};
+        velum_layer layers[GRIB_DECKS];
+        assert_int_equal(grib_column_layers(&profile, decks, &surface, layers), 1);
+        const float thickness_m = layers[0].top_m - layers[0].base_m;
+        near_to((double)layers[0].base_m, 3591.0, 30.0);
+        assert_true(thickness_m > last_m);
+        assert_true(covers[i] > 0.5f || thickness_m <= 801.0f);
+        last_m = thickness_m;
+        if (covers[i] >= 0.5f) {
+            const double path = (double)(layers[0].water_g_m3 * layers[0].coverage * thickness_m);
+            near_to(path, 6e-5 * 23000.0 / 9.80665 * 1000.0, 0.5);
+        }
+    }
+    near_to((double)last_m, 3249.0, 40.0);
+
+    const grib_deck tower[GRIB_DECKS] = {[GRIB_DECK_CONVECTIVE] = {0.1f, 90000.0f, 20000.0f}};
+    velum_layer layers[GRIB_DECKS];
+    assert_int_equal(grib_column_layers(&profile, tower, &surface, layers), 1);
+    assert_true(layers[0].top_m - layers[0].base_m > 10000.0f);
 }
 
 static void genera_follow_the_rules(void **state) {
@@ -222,6 +256,7 @@ int main(void) {
         cmocka_unit_test(water_paths_are_integrals_over_pressure),
         cmocka_unit_test(water_of_the_file_is_kept_in_the_layer),
         cmocka_unit_test(cold_layers_are_ice),
+        cmocka_unit_test(broken_layers_are_shallow),
         cmocka_unit_test(genera_follow_the_rules),
         cmocka_unit_test(overlapping_decks_keep_the_cover),
         cmocka_unit_test(bounds_hold_for_any_deck),
