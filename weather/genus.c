@@ -53,7 +53,7 @@ void weather_genus_fill(velum_layer *layer, float temperature_k, float base_temp
 float weather_thickness_limit_m(int32_t genus, float coverage) {
     float shallow_m;
     switch (genus) {
-    case VELUM_GENUS_CU:
+    case VELUM_GENUS_CU: return 600.0f + 3000.0f * coverage;
     case VELUM_GENUS_CB: return INFINITY;
     case VELUM_GENUS_CI:
     case VELUM_GENUS_CC:

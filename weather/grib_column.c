@@ -237,7 +237,9 @@ uint32_t grib_column_layers(const grib_profile *profile, const grib_deck decks[G
         if (shape->cover < least_cover) {
             continue;
         }
-        limit_thickness(shape, profile, genera[i]);
+        if (genera[i] != VELUM_GENUS_CU || surface->convective_mm_h < 0.1f) {
+            limit_thickness(shape, profile, genera[i]);
+        }
         velum_layer *layer = &layers[count++];
         memset(layer, 0, sizeof(*layer));
         layer->struct_size = sizeof(*layer);

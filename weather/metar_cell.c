@@ -118,7 +118,9 @@ static void finish_layer(const metar_report *report, const metar_cloud *cloud, f
     } else if (layer->genus == VELUM_GENUS_CU && report->weather & METAR_SHOWER) {
         thickness_m *= 2.5f;
     }
-    thickness_m = fminf(thickness_m, weather_thickness_limit_m(layer->genus, layer->coverage));
+    if (!is_tower(layer)) {
+        thickness_m = fminf(thickness_m, weather_thickness_limit_m(layer->genus, layer->coverage));
+    }
     const float low_m = fminf(elevation_m + cloud->height_m, limit_m - least_thickness_m);
     float top_m = low_m + thickness_m;
     if (!is_tower(layer) && top_m > ceiling_m) {

@@ -149,9 +149,20 @@ static void broken_layers_are_shallow(void **state) {
     }
     near_to((double)last_m, 3249.0, 40.0);
 
-    const grib_deck tower[GRIB_DECKS] = {[GRIB_DECK_CONVECTIVE] = {0.1f, 90000.0f, 20000.0f}};
+    /* Cu without showers grows with its cover; with them, and Cb, it is as deep as the file says. */
+    grib_deck tower[GRIB_DECKS] = {[GRIB_DECK_CONVECTIVE] = {0.1f, 90000.0f, 60000.0f}};
+    grib_surface showers = {.cape_j_kg = 400.0f};
     velum_layer layers[GRIB_DECKS];
-    assert_int_equal(grib_column_layers(&profile, tower, &surface, layers), 1);
+    assert_int_equal(grib_column_layers(&profile, tower, &showers, layers), 1);
+    assert_int_equal(layers[0].genus, VELUM_GENUS_CU);
+    near_to((double)(layers[0].top_m - layers[0].base_m), 900.0, 0.5);
+    showers.convective_mm_h = showers.precipitation_mm_h = 0.4f;
+    grib_column_layers(&profile, tower, &showers, layers);
+    assert_int_equal(layers[0].genus, VELUM_GENUS_CU);
+    near_to((double)(layers[0].top_m - layers[0].base_m), 3220.0, 40.0);
+    tower[GRIB_DECK_CONVECTIVE].top_pa = 20000.0f;
+    grib_column_layers(&profile, tower, &showers, layers);
+    assert_int_equal(layers[0].genus, VELUM_GENUS_CB);
     assert_true(layers[0].top_m - layers[0].base_m > 10000.0f);
 }
 
