@@ -113,9 +113,11 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
         vec3 source = air_source(p.height_m, mu_sun, cos_sun, with_glow);
-        source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, 0.7) +
-                          1.5 * glow_at(p.height_m, mu_sun));
-        if (fog > 0.0) {
+        for (int once = haze > 0.0 ? 0 : 1; once < 1; ++once) {
+            source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, 0.7) +
+                              1.5 * glow_at(p.height_m, mu_sun));
+        }
+        for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {
             /* Fog scatters all it takes, many times over: its first order is dimmed by the fog above, and what was
              * scattered before comes from all sides. */
             float above = eye.drift.y * max(velum_fog_column_m(eye.drift.z, eye.drift.z) -

@@ -76,7 +76,10 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         vec3 p = hit.r + eye.sun.xyz * t;
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
         float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
-        float lump = lump_noise(hit.slot, f, p);
+        float lump = 0.0;
+        for (int once = i < 2 ? 0 : 1; once < 1; ++once) {
+            lump = lump_noise(hit.slot, f, p);
+        }
         float body = velum_body(hit.profile, e, z, h - f.base_m, lump, 0.5);
         depth += e > 0.0 && z > 0.0 && z < 1.0 ? body * dt : 0.0;
         done += dt;
@@ -234,8 +237,13 @@ void main() {
             bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
             velum_profile profile = velum_profile_of(slot, f);
             float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-            float lump = lump_noise(slot, f, r);
-            float fine = velum_shows_fine(at, eye.slots[slot].fine_0.w) ? fine_noise(slot, f, r) : 0.5;
+            /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
+            float lump = 0.0;
+            float fine = 0.5;
+            for (int once = within && e > 0.0 ? 0 : 1; once < 1; ++once) {
+                lump = lump_noise(slot, f, r);
+                fine = velum_shows_fine(at, eye.slots[slot].fine_0.w) ? fine_noise(slot, f, r) : 0.5;
+            }
             float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
             float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
             samples += within ? 1u : 0u;
@@ -304,7 +312,7 @@ void main() {
 
     float distance_m = weight > 1.0e-4 ? weighted / weight : 0.0;
     /* Air before the cloud: it dims, and shines in the share that the cloud covers. */
-    air_light air = air_march(ray.origin, ray.direction, max(distance_m, 1.0), 8, true);
+    air_light air = air_march(ray.origin, ray.direction, max(distance_m, 1.0), weight > 0.0 ? 6 : 0, true);
     if (weight > 0.0 && eye.ground.w != 0.0) {
         light = light * air.transmittance + air.luminance * (1.0 - through);
     }
