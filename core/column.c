@@ -173,10 +173,10 @@ float core_blend_fullness(const float *field) {
 }
 
 float core_blend_top(uint32_t slot, const float *field) {
-    const uint32_t sheets =
-        1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_MIDDLE | 1u << VELUM_SLOT_HIGH;
+    const uint32_t thinning = 1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_CUMULUS |
+                              1u << VELUM_SLOT_MIDDLE | 1u << VELUM_SLOT_HIGH;
     float full = core_blend_fullness(field);
-    if (!(sheets & (1u << slot)) || full > 1.0f - 1e-5f) {
+    if (!(thinning & (1u << slot)) || full > 1.0f - 1e-5f) {
         return field[CORE_FIELD_TOP];
     }
     float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
