@@ -199,6 +199,7 @@ struct shadow {
     tiles tiles;
     gpu_image image;
     bool drawn, incomplete;
+    uint32_t next_row, stale_rows; /* bands that still show an earlier time */
     velum_shadow_geometry geometry;
     /* what is drawn */
     struct shadow_key {

@@ -8,7 +8,12 @@
 #define ALONG_STEP_M 1024.0
 #define DISTANCE_STEP_M 50000.0
 #define DISTANCE_MAX_M 400000.0
-#define STEPS 96u
+#define STEPS 32u
+/* A centre may wander so far, in shares of the finest level's side, before the map follows. */
+#define SNAP_SHARE 16u
+/* While only time goes on, in steps up to this, so many frames renew the map by turns, a band of rows each. */
+#define BANDS 8u
+#define BAND_LAG_S 5.0
 
 static void cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -41,10 +46,10 @@ static void place(const shadow *s, const double sun[3], const double centre[3], 
     double axes[3][3]; /* u, v, sun */
     make_axes(sun, axes[0], axes[1]);
     memcpy(axes[2], sun, sizeof axes[2]);
-    double texel_m = s->extent_m / s->texels;
+    double across_m = s->extent_m / s->texels * (double)(s->texels / SNAP_SHARE);
     double at[3];
     for (int i = 0; i < 3; i++) {
-        at[i] = snap(dot3(centre, axes[i]), i == 2 ? ALONG_STEP_M : texel_m);
+        at[i] = snap(dot3(centre, axes[i]), i == 2 ? ALONG_STEP_M : across_m);
     }
     *geometry = (velum_shadow_geometry){.struct_size = sizeof *geometry, .levels = s->levels, .texels = s->texels};
     for (int i = 0; i < 3; i++) {
@@ -99,8 +104,9 @@ static bool write_set(engine *e, const shadow *s, VkDescriptorSet *out) {
 }
 
 static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_geometry *geometry,
-                                            const struct shadow_key *key, uint32_t level) {
-    velum_shadow_level_block b = {.window = {0, s->texels, STEPS, 0}};
+                                            const struct shadow_key *key, uint32_t level, uint32_t row,
+                                            uint32_t rows) {
+    velum_shadow_level_block b = {.window = {row, rows, STEPS, 0}};
     double u[3], v[3];
     make_axes(key->sun, u, v);
     for (int i = 0; i < 3; i++) {
@@ -115,7 +121,7 @@ static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_
 }
 
 static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow_geometry *geometry,
-                         const struct shadow_key *key) {
+                         const struct shadow_key *key, uint32_t row, uint32_t rows) {
     engine *e = s->e;
     gpu *g = &e->g;
     velum_eye_block block;
@@ -134,7 +140,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     }
     uint32_t levels[SHADOW_LEVELS_MAX];
     for (uint32_t k = 0; k < s->levels; k++) {
-        velum_shadow_level_block level = level_block(s, geometry, key, k);
+        velum_shadow_level_block level = level_block(s, geometry, key, k, row, rows);
         if (!frame_uniform(e, &level, sizeof level, &levels[k])) {
             return VELUM_ERROR_OUT_OF_MEMORY;
         }
@@ -154,12 +160,21 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         offsets[2] = levels[k];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
-        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, s->texels, s->texels);
+        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, s->texels, rows);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
     return VELUM_OK;
+}
+
+/* A little, and forward; the sun, the place and the weather are those of before. */
+static bool only_time_went_on(const struct shadow_key *before, const struct shadow_key *now) {
+    struct shadow_key held = *now;
+    held.time_s = before->time_s;
+    held.blend = before->blend;
+    double step_s = now->time_s - before->time_s;
+    return memcmp(&held, before, sizeof held) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
 }
 
 velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame) {
@@ -187,9 +202,15 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
         key.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
     }
     s->frame = e->frames;
-    if (s->drawn && !s->incomplete && memcmp(&key, &s->key, sizeof key) == 0) {
+    bool same = s->drawn && !s->incomplete && memcmp(&key, &s->key, sizeof key) == 0;
+    if (same && s->stale_rows == 0) {
         return VELUM_UNCHANGED;
     }
+    uint32_t rows = s->texels;
+    if (same || (s->drawn && !s->incomplete && only_time_went_on(&s->key, &key))) {
+        rows = s->texels / BANDS;
+    }
+    uint32_t row = rows < s->texels ? s->next_row : 0;
     VkBufferCopy copy;
     uint32_t budget = e->owner ? UINT32_MAX : RENDER_TILES;
     tiles_context context = record_tiles_context(e, &budget, &copy, 1);
@@ -198,11 +219,13 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
     if (standing < 0) {
         return standing;
     }
-    velum_result result = draw(s, commands, &geometry, &key);
+    velum_result result = draw(s, commands, &geometry, &key, row, rows);
     if (result < 0) {
         s->drawn = false;
         return result;
     }
+    s->stale_rows = (same ? s->stale_rows : s->texels) - rows;
+    s->next_row = (row + rows) % s->texels;
     s->key = key;
     s->geometry = geometry;
     s->drawn = true;
