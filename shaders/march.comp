@@ -170,9 +170,9 @@ void main() {
     uint light_samples = 0u;
     bool missing = false;
 
-    /* Steps tile the ray; each is sampled at the same share of its length, another for each pixel of a block and each
-     * round of frames. */
-    float offset = fract(view.march.w + float((pixel.x & 3) * 4 + (pixel.y & 3)) * 0.3125);
+    /* Steps tile the ray; each is sampled at the same share of its length, another for each pixel and each round of
+     * frames, in quarters: after four rounds all pixels, of whatever channel, have had the same. */
+    float offset = fract(view.march.w + float((pixel.x + 2 * pixel.y) & 3) * 0.25);
     float dt_min = view.march.x;
     float growth = view.march.y;
     int left = int(view.steps.x);

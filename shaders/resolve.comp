@@ -82,7 +82,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
             return fresh;
         }
     }
-    vec4 old = textureLod(history_in, uv, 0.0);
+    /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
+    vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv, 0.0);
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
     float old_distance_m = data.r * distance_unit_m;
