@@ -47,13 +47,6 @@ static inline double core_max(double a, double b) {
     return a > b ? a : b;
 }
 
-static inline double core_hae_from_msl(double height_msl_m, double undulation_m) {
-    return height_msl_m + undulation_m;
-}
-static inline double core_msl_from_hae(double height_hae_m, double undulation_m) {
-    return height_hae_m - undulation_m;
-}
-
 /* Geodetic normal of a latitude and longitude. */
 static inline void core_normal(double lat_deg, double lon_deg, double normal[3]) {
     double cos_lat = cos(lat_deg * CORE_DEG);
