@@ -21,7 +21,7 @@ typedef struct candidate {
     double lat_deg, lon_deg;
     float elevation_m;
     uint32_t newer_line; /* 0: this is the station's newest */
-
+    int is_same_time;    /* as that of newer_line */
 } candidate;
 
 typedef struct metar_reader {
@@ -239,8 +239,12 @@ static velum_result keep_newest(metar_reader *reader, velum_weather_error *error
         candidate *one = order[i];
         if (memcmp(one->report.station, best->report.station, sizeof(best->report.station)) != 0) {
             best = one;
-        } else if (newer(one, best) >= 0) {
+            continue;
+        }
+        const int64_t later = newer(one, best);
+        if (later >= 0) {
             best->newer_line = one->line;
+            best->is_same_time = later == 0;
             best = one;
         } else {
             one->newer_line = best->line;
@@ -257,7 +261,8 @@ static velum_result make_cells(metar_reader *reader, velum_weather_set *set, uin
         const candidate *from = &reader->candidates[i];
         if (from->newer_line) {
             char reason[96];
-            snprintf(reason, sizeof(reason), "older than the report of line %u", from->newer_line);
+            snprintf(reason, sizeof(reason), "%s the report of line %u",
+                     from->is_same_time ? "same time as" : "older than", from->newer_line);
             refuse(reader, from->line, 1, from->report.station, reason);
             continue;
         }

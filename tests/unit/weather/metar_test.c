@@ -184,6 +184,10 @@ static void the_newest_report_of_a_station_holds(void **state) {
     near_to((double)f->state.cells[0].visibility_m, 300, 0);
     assert_string_equal(f->report.refusals[0].text, "m:1: EDDF: older than the report of line 2");
     finish(f);
+    f = good("EDDF 180750Z 9999 10/05\nEDDF 180750Z 0300 FG 08/08\n");
+    near_to((double)f->state.cells[0].visibility_m, 300, 0);
+    assert_string_equal(f->report.refusals[0].text, "m:1: EDDF: same time as the report of line 2");
+    finish(f);
     /* Days go round with the month: the 1st comes after the 31st. */
     f = good("EDDF 010020Z 0300 FG\nEDDF 312350Z 9999\n");
     near_to((double)f->state.cells[0].visibility_m, 300, 0);
