@@ -169,7 +169,7 @@ static bool set_pose(struct options *options, const char *name, const char *valu
     static const struct {
         const char *text;
         double low, high;
-    } fields[6] = {{"latitude", -90, 90},  {"longitude", -360, 360}, {"height", -1000, 1e8},
+    } fields[6] = {{"latitude", -90, 90},  {"longitude", -360, 360}, {"height", -1e4, 5e7},
                    {"heading", -720, 720}, {"pitch", -90, 90},       {"roll", -360, 360}};
     double values[6];
     const char *at = value;

@@ -144,7 +144,7 @@ static velum_result read_camera(const json_document *document, const json_node *
     }
     TRY(json_read_double(document, node, "lat_deg", JSON_REQUIRED, -90, 90, &camera->lat_deg));
     TRY(json_read_double(document, node, "lon_deg", JSON_REQUIRED, -180, 180, &camera->lon_deg));
-    TRY(json_read_double(document, node, "height_m", JSON_REQUIRED, -1000, 1e8, &camera->height_m));
+    TRY(json_read_double(document, node, "height_m", JSON_REQUIRED, -1e4, 5e7, &camera->height_m));
     TRY(json_read_double(document, node, "heading_deg", JSON_OPTIONAL, -360, 360, &camera->heading_deg));
     TRY(json_read_double(document, node, "pitch_deg", JSON_OPTIONAL, -90, 90, &camera->pitch_deg));
     return json_read_double(document, node, "roll_deg", JSON_OPTIONAL, -180, 180, &camera->roll_deg);

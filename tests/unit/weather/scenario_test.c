@@ -189,7 +189,9 @@ static void what_is_wrong_is_named_with_its_place(void **state) {
         {HEAD "\"camera\": [{\"lat_deg\": 91, \"lon_deg\": 2, \"height_m\": 3}]}",
          "s.json:2:24: camera[0].lat_deg: found 91, expected a number from -90 to 90"},
         {HEAD "\"camera\": [{\"lat_deg\": 1, \"lon_deg\": 2}]}",
-         "s.json:2:12: camera[0].height_m: found nothing, expected a number from -1000 to 100000000"},
+         "s.json:2:12: camera[0].height_m: found nothing, expected a number from -10000 to 50000000"},
+        {HEAD "\"camera\": [{\"lat_deg\": 1, \"lon_deg\": 2, \"height_m\": 6e7}]}",
+         "s.json:2:53: camera[0].height_m: found 60000000, expected a number from -10000 to 50000000"},
         {HEAD "\"camera\": [{\"lat_deg\": 1, \"lon_deg\": 2, \"height_m\": 3},\n"
               "{\"time_s\": 0, \"lat_deg\": 1, \"lon_deg\": 2, \"height_m\": 3}]}",
          "s.json:3:12: camera[1].time_s: found 0, expected more than 0, the time of the keyframe before"},
