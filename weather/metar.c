@@ -175,7 +175,8 @@ static velum_result take_record(metar_reader *reader, const metar_record *record
     const int is_decoded = metar_decode(record->raw.text ? record->raw.text : "",
                                         record->raw.text ? record->raw.size : 0, &to->report, reason, &offset);
     if (record->reason[0]) {
-        refuse(reader, record->line, 1, to->report.station, record->reason);
+        refuse(reader, record->line, record->reason_column ? record->reason_column : 1, to->report.station,
+               record->reason);
         return VELUM_OK;
     }
     if (!is_decoded) {

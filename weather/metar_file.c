@@ -27,6 +27,11 @@ static int field_is(const metar_field *field, const char *name) {
     return field->size == strlen(name) && memcmp(field->text, name, field->size) == 0;
 }
 
+static int is_control(char byte) {
+    const unsigned char c = (unsigned char)byte;
+    return (c < 0x20 && c != '\t' && c != '\r' && c != '\n') || c == 0x7f;
+}
+
 /* One field of a CSV row (RFC 4180); *end is 1 after the row's last. */
 static velum_result take_field(metar_file *file, size_t row_start, metar_field *field, int *end,
                                velum_weather_error *error) {
@@ -46,6 +51,9 @@ static velum_result take_field(metar_file *file, size_t row_start, metar_field *
         }
         field->size = (size_t)(text + at - field->text);
         ++at;
+        while (at < file->size && is_control(text[at])) {
+            ++at; /* check_record names it */
+        }
     } else {
         field->text = text + at;
         while (at < file->size && text[at] != ',' && text[at] != '\n' && text[at] != '\r') {
@@ -106,21 +114,46 @@ static int has_word(const char *line, size_t size, const char *word) {
     return memmem(line, size, word, strlen(word)) != NULL;
 }
 
-/* Text without control characters: anything else is no METAR file. */
-static velum_result check_text(const metar_file *file, velum_weather_error *error) {
+static size_t find_control(const metar_file *file, size_t from, size_t to) {
+    while (from < to && !is_control(file->text[from])) {
+        ++from;
+    }
+    return from;
+}
+
+static velum_result fail_control(const metar_file *file, size_t at, velum_weather_error *error) {
     uint32_t line = 1;
     size_t start = 0;
-    for (size_t i = 0; i < file->size; ++i) {
-        const unsigned char c = (unsigned char)file->text[i];
-        if (c == '\n') {
+    for (size_t i = 0; i < at; ++i) {
+        if (file->text[i] == '\n') {
             ++line;
             start = i + 1;
-        } else if ((c < 0x20 && c != '\t' && c != '\r') || c == 0x7f) {
-            return weather_fail(error, VELUM_ERROR_UNSUPPORTED, file->name, line, (uint32_t)(i - start) + 1,
-                                "found byte 0x%02x, expected text", c);
         }
     }
-    return VELUM_OK;
+    return weather_fail(error, VELUM_ERROR_UNSUPPORTED, file->name, line, (uint32_t)(at - start) + 1,
+                        "found byte 0x%02x, expected text", (unsigned char)file->text[at]);
+}
+
+/* A stray control character costs its record; in more than a tenth of the lines (and more than one) they say that this
+ * is no METAR file. */
+static velum_result check_text(const metar_file *file, velum_weather_error *error) {
+    size_t lines = 0, bad_lines = 0, first = file->size;
+    for (size_t position = 0, next = 0; position < file->size; position = next, ++lines) {
+        const size_t end = position + line_size(file, position, &next);
+        const size_t control = find_control(file, position, end);
+        bad_lines += control < end;
+        first = control < end && first == file->size ? control : first;
+    }
+    return bad_lines > 1 && bad_lines * 10 > lines ? fail_control(file, first, error) : VELUM_OK;
+}
+
+static void check_record(const metar_file *file, size_t start, size_t end, metar_record *record) {
+    const size_t control = find_control(file, start, end);
+    if (control < end) {
+        record->reason_column = (uint32_t)(control - start) + 1;
+        snprintf(record->reason, sizeof(record->reason), "column %u: found byte 0x%02x, expected text",
+                 record->reason_column, (unsigned char)file->text[control]);
+    }
 }
 
 velum_result metar_file_open(metar_file *file, const char *name, const char *text, size_t size,
@@ -144,7 +177,9 @@ velum_result metar_file_open(metar_file *file, const char *name, const char *tex
             file->is_csv = 1;
             file->position = position;
             file->line = i;
-            return take_header(file, error);
+            const velum_result header = take_header(file, error);
+            const size_t control = find_control(file, 0, file->position);
+            return header || control == file->position ? header : fail_control(file, control, error);
         }
         is_cache = is_cache || (length == 19 && memcmp(line, "data source=metars", 18) == 0) ||
                    (length == 18 && memcmp(line, "data source=metars", 18) == 0);
@@ -201,6 +236,7 @@ static velum_result next_row(metar_file *file, metar_record *record, int *got, v
     if (count != file->column_count) {
         snprintf(record->reason, sizeof(record->reason), "found %d columns, expected %d", count, file->column_count);
     }
+    check_record(file, start, file->position, record);
     ++file->rows;
     *got = 1;
     return VELUM_OK;
@@ -235,6 +271,7 @@ static velum_result next_line(metar_file *file, metar_record *record, int *got) 
         if (indent < size && line[indent] != '#' && !is_date_line(line, size)) {
             record->line = file->line;
             record->raw = (metar_field){line + indent, size - indent, file->line, (uint32_t)indent + 1};
+            check_record(file, file->position, next, record);
             ++file->rows;
             *got = 1;
         }

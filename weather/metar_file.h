@@ -16,6 +16,7 @@ typedef struct metar_record {
     metar_field raw;
     metar_field lat, lon, elevation, time; /* text null: not in the file */
     char reason[96];                       /* not empty: the record cannot be used */
+    uint32_t reason_column;                /* 0: the whole record */
 } metar_record;
 
 enum { METAR_COLUMN_RAW, METAR_COLUMN_LAT, METAR_COLUMN_LON, METAR_COLUMN_ELEVATION, METAR_COLUMN_TIME, METAR_COLUMNS };

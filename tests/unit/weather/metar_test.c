@@ -215,12 +215,33 @@ static void bad_reports_are_counted_and_named(void **state) {
     finish(f);
 }
 
+static void a_stray_control_character_costs_one_report(void **state) {
+    (void)state;
+    fixture *f = good("raw_text,latitude,longitude\nEDDF 180750Z CAVOK,50,8\nEDDM 180750Z \x12 CAVOK,48,11\n"
+                      "\"EDDH 180750Z CAVOK\",53,10\n");
+    assert_int_equal(f->report.stations_read, 2);
+    assert_int_equal(f->report.stations_refused, 1);
+    assert_string_equal(f->report.refusals[0].text, "m:3: EDDM: column 14: found byte 0x12, expected text");
+    finish(f);
+    f = good("raw_text,latitude,longitude\n\"EDDF 180750Z CAVOK\"\x12,50,8\nEDDM 180750Z CAVOK,48,11\n");
+    assert_int_equal(f->report.stations_read, 1);
+    assert_string_equal(f->report.refusals[0].text, "m:2: EDDF: column 21: found byte 0x12, expected text");
+    finish(f);
+    f = good("EDDF 180720Z 9999 10/05\nEDDF 180750Z 0300\x7f FG 08/08\n");
+    assert_true(f->state.cells[0].visibility_m > 9000);
+    assert_string_equal(f->report.refusals[0].text, "m:2: EDDF: column 18: found byte 0x7f, expected text");
+    finish(f);
+}
+
 static void wrong_structures_are_refused_whole(void **state) {
     (void)state;
     refused_whole("", "m:1:1: no METAR report");
     refused_whole("# nothing\n\n", "no METAR report");
     refused_whole("{\"type\": \"FeatureCollection\"}\n", "m:1:1: no usable METAR report");
-    refused_whole("EDDF 180750Z 9999\x01\n", "m:1:18: found byte 0x01");
+    refused_whole("EDDF 180750Z 9999\x01\n",
+                  "m:1:18: no usable METAR report; EDDF: column 18: found byte 0x01, expected text");
+    refused_whole("EDDF 180750Z 9999\nEDDF 180750Z\x01 9999\nEDDF 180750Z 9999\x02\n", "m:2:13: found byte 0x01");
+    refused_whole("raw_text,latitude,longitude,a\x12\nEDDF 180750Z CAVOK,50,8,\n", "m:1:30: found byte 0x12");
     refused_whole("No errors\ndata source=metars\n0 results\n", "m:3:1: found the preamble");
     refused_whole("raw_text,latitude\nEDDF 180750Z CAVOK,50\n", "latitude and longitude together");
     refused_whole("raw,raw_text_x,station\nEDDF 180750Z CAVOK,1,2\n", "expected a column raw_text");
@@ -371,6 +392,7 @@ int main(void) {
         cmocka_unit_test(genera_follow_the_rules),
         cmocka_unit_test(the_newest_report_of_a_station_holds),
         cmocka_unit_test(bad_reports_are_counted_and_named),
+        cmocka_unit_test(a_stray_control_character_costs_one_report),
         cmocka_unit_test(wrong_structures_are_refused_whole),
         cmocka_unit_test(positions_come_from_file_then_scenario_then_table),
         cmocka_unit_test(cuts_and_flips_never_break_the_reader),
