@@ -19,17 +19,41 @@ static void fill_drift(const core_drift *d, velum_eye_block *out) {
     out->drift[0] = d->weight[1];
 }
 
+/* Diffuse transmittance of a layer without absorption, two streams, asymmetry 0.85 (Bohren 1987), over its cover. */
+static float layer_share(const velum_slot_fields *f) {
+    float depth = f->extinction_1_m * fmaxf(f->top_m - f->base_m, 0.0f);
+    return 1.0f - f->coverage * (1.0f - 1.0f / (1.0f + 0.075f * depth));
+}
+
+/* What the clouds over a place leave of the light of day. */
+static void add_shade(const core_column *column, float weight, float shade[4]) {
+    float share = 1.0f;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (column->mask & (1u << slot)) {
+            const velum_slot_fields *f = &column->slot[slot];
+            share *= layer_share(f);
+            shade[1] = fminf(shade[1], f->base_m);
+            shade[2] = fmaxf(shade[2], f->top_m);
+        }
+    }
+    shade[0] += weight * share;
+}
+
 static void fill_surface(const engine *e, const double normal[3], velum_eye_block *out) {
     core_surface surface[2] = {{.visibility_m = CORE_VISIBILITY_DEFAULT_M},
                                {.visibility_m = CORE_VISIBILITY_DEFAULT_M}};
+    float t = e->weather.blend;
+    const float weight[2] = {1.0f - t, t};
+    float shade[4] = {0.0f, 1e5f, -1e3f, 0.0f};
     for (uint32_t s = 0; s < 2; s++) {
+        core_column column = {0};
         if (e->weather.state[s]) {
-            core_column column;
             core_column_at(e->weather.state[s], normal, 1000.0, &column);
             surface[s] = column.surface;
         }
+        add_shade(&column, weight[s], shade);
     }
-    float t = e->weather.blend;
+    memcpy(out->shade, shade, sizeof shade);
     float elevation_m = velum_mix(surface[0].elevation_m, surface[1].elevation_m, t);
     out->span[2] = elevation_m;
     if (e->frame.atmosphere == VELUM_ATMOSPHERE_NONE) {

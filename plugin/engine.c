@@ -264,9 +264,8 @@ velum_result engine_begin_frame(engine *e, const velum_frame_info *frame) {
     if (e->drift.weight[0] == 0.0f) {
         /* Without VELUM_TABLE_FLAG_DRIFTING shaders take the first phase. */
         const core_drift d = e->drift;
-        e->drift = (core_drift){.tau_s = {d.tau_s[1], d.tau_s[0]},
-                                .weight = {d.weight[1], d.weight[0]},
-                                .cycle = {d.cycle[1], d.cycle[0]}};
+        e->drift = (core_drift){
+            .tau_s = {d.tau_s[1], d.tau_s[0]}, .weight = {d.weight[1], d.weight[0]}, .cycle = {d.cycle[1], d.cycle[0]}};
         memcpy(e->drift.offset[0], d.offset[1], sizeof d.offset[1]);
         memcpy(e->drift.offset[1], d.offset[0], sizeof d.offset[0]);
     }

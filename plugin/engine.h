@@ -129,7 +129,7 @@ struct engine {
 
 /* What the picture of the sky depends on. */
 typedef struct sky_key {
-    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], fog[2];
+    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], shade[4], haze[4];
 } sky_key;
 
 struct eye {

@@ -104,8 +104,7 @@ static bool write_set(engine *e, const shadow *s, VkDescriptorSet *out) {
 }
 
 static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_geometry *geometry,
-                                            const struct shadow_key *key, uint32_t level, uint32_t row,
-                                            uint32_t rows) {
+                                            const struct shadow_key *key, uint32_t level, uint32_t row, uint32_t rows) {
     velum_shadow_level_block b = {.window = {row, rows, STEPS, 0}};
     double u[3], v[3];
     make_axes(key->sun, u, v);

@@ -106,13 +106,14 @@ static bool read_eyes(checker *check, engine *e, const velum_eye_frame *eyes, ui
 
 static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     const velum_eye_block *b = &y->block;
-    sky_key key = {.fog = {b->drift[1], b->drift[2]}};
+    sky_key key = {.haze = {b->drift[1], b->drift[2], b->drift[3], b->span[2]}};
     memcpy(key.scaled, b->scaled, sizeof key.scaled);
     memcpy(key.position, b->position, sizeof key.position);
     memcpy(key.up, b->up, sizeof key.up);
     memcpy(key.sun, b->sun, sizeof key.sun);
     memcpy(key.sun_lx, b->sun_lx, sizeof key.sun_lx);
     memcpy(key.ground, b->ground, sizeof key.ground);
+    memcpy(key.shade, b->shade, sizeof key.shade);
     bool first = !e->air_ready;
     bool glow = !e->glow_ready || memcmp(e->glow_albedo, e->frame.ground_albedo, sizeof e->glow_albedo) != 0;
     bool sky = !y->sky_ready || glow || memcmp(&key, &y->sky_key, sizeof key) != 0;

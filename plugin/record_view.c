@@ -202,7 +202,6 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     for (int i = 0; i < 3; i++) {
         out->drifted[i] = y->wind_m_s[i] * dt;
     }
-    out->drifted[3] = now->scale / before->scale;
     out->scale[0] = now->scale;
     out->scale[1] = f->jitter_x;
     out->scale[2] = f->jitter_y;
@@ -210,6 +209,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;
     out->depth[2] = f->depth_far_m;
+    out->depth[3] = images->format == VK_FORMAT_R32G32B32A32_SFLOAT ? 3e38f : 65000.0f;
     uint32_t side = side_of(plan->ray_rate);
     uint32_t counter = anew ? 0 : v->counter;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
@@ -342,7 +342,6 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
     const shadow *s = e->bound_shadow;
     if (s && s->drawn) {
         blocks_shift_shadow(&s->geometry, y->position_ecef_m, &shadow_block);
-        eye_block.sky[3] = 1.0f;
     }
     view_sets sets;
     if (!frame_uniform(e, &eye_block, sizeof eye_block, &sets.offsets[0]) ||

@@ -88,6 +88,11 @@ vec3 air_source(float height_m, float mu_sun, float cos_sun, bool with_glow) {
     return source;
 }
 
+/* Share of daylight at a height: below the clouds over the eye what they let through, on the mean; above them all. */
+float daylight_share(float height_m) {
+    return mix(eye.shade.x, 1.0, smoothstep(eye.shade.y, max(eye.shade.z, eye.shade.y + 1.0), height_m));
+}
+
 struct air_light {
     vec3 luminance; /* per unit sun_lx, already times it */
     vec3 transmittance;
@@ -128,6 +133,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
             source += fog * sun * (direct * (0.7 * velum_phase_hg(cos_sun, 0.75) + 0.3 / (4.0 * PI)) + diffuse * 0.8 / PI);
             source += fog * glow_at(p.height_m, mu_sun);
         }
+        source *= daylight_share(p.height_m);
         vec3 step_t = exp(-extinction * dt);
         result.luminance += result.transmittance * source * (1.0 - step_t) / max(extinction, vec3(1e-12));
         result.transmittance *= step_t;

@@ -139,7 +139,7 @@ void main() {
     int side = int(view.march_size.z);
     ivec2 inside = ivec2(int(view.frame.x) % side, int(view.frame.x) / side);
     ivec2 pixel = min(block * side + inside, ivec2(view.size.xy) - 1);
-    view_ray ray = view_ray_at(vec2(pixel) + 0.5);
+    view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 
     float end = view.march.z;
     float solid = host_distance(pixel, ray);

@@ -144,7 +144,7 @@ void main() {
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
         return;
     }
-    view_ray ray = view_ray_at(vec2(pixel) + 0.5);
+    view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
     cloud_pixel cloud = resolve_cloud(pixel, ray);
     imageStore(history_out, pixel, cloud.light);
     imageStore(history_data_out, pixel, vec4(cloud.distance_m / distance_unit_m, cloud.samples, 0.0, 0.0));
@@ -194,7 +194,7 @@ void main() {
     light *= view.scale.x;
     ivec2 out_pixel = pixel + ivec2(view.size.zw);
     float mean = dot(transmittance, vec3(0.2126, 0.7152, 0.0722));
-    imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(65000.0)), mean));
+    imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(view.depth.w)), mean));
     imageStore(transmittance_out, OUT_PIXEL(out_pixel), vec4(transmittance, mean));
     imageStore(distance_out, OUT_PIXEL(out_pixel), vec4(through < 0.9999 ? cloud.distance_m : 0.0));
 }

@@ -29,7 +29,7 @@ vec3 ambient(int index) {
     vec3 side = normalize(abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0)));
     vec3 across = cross(up, side);
     float mu_sun = dot(up, eye.sun.xyz);
-    vec3 ground_sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0);
+    vec3 ground_sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * daylight_share(0.0);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int k = 0; k < 16; ++k) {

@@ -23,7 +23,7 @@ VELUM_STRUCT(velum_slot_block) {
     VELUM_VEC4(fine_0);
     VELUM_VEC4(fine_1);
     VELUM_VEC4(bounds); /* lowest base, highest top (HAE m) among the tiles of the table; stretch; greatest extinction */
-    VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g; else 1, effective radius um (0: 10) */
+    VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g; else 1, 0 */
 };
 
 #define VELUM_TABLE_FLAG_BLENDING 1u /* two weather states */
@@ -42,7 +42,8 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(sun_lx);   /* at the top of the atmosphere; angular radius rad */
     VELUM_VEC4(ground);   /* albedo; 1: air, 0: none */
     VELUM_VEC4(span);     /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
-    VELUM_VEC4(sky);      /* key of the sky table: unused, unused, unused, shadow map bound 1 */
+    VELUM_VEC4(shade);    /* share of daylight that comes through the clouds over the eye, on the mean; their lowest base
+                             and highest top, HAE m; 0 */
     velum_slot_block slots[VELUM_SLOT_COUNT];
 };
 
@@ -62,9 +63,9 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(before_up);
     VELUM_VEC4(before_forward);
     VELUM_VEC4(before_offset);
-    VELUM_VEC4(drifted);        /* how far the cloud over the eye has drifted since, m; w: luminance scale now / before */
-    VELUM_VEC4(scale);          /* luminance scale; jitter x, y in pixels; weight floor of new samples while moving */
-    VELUM_VEC4(depth);          /* convention, near m, far m, 0 */
+    VELUM_VEC4(drifted);        /* how far the cloud over the eye has drifted since, m; w: 0 */
+    VELUM_VEC4(scale);          /* luminance scale; jitter x, y in pixels; samples that history counts for while moving, 0: still */
+    VELUM_VEC4(depth);          /* convention, near m, far m; greatest number that the images can hold */
     VELUM_UVEC4(size);          /* width, height, x, y of the sub-rectangle */
     VELUM_UVEC4(march_size);    /* width, height of the march images; rays' block side (4, 2 or 1); frames since reset */
     VELUM_UVEC4(frame);         /* pixel of the block this frame (index 0..15); VELUM_VIEW_BLOCK_*; array layer; seed */

@@ -158,7 +158,7 @@ typedef struct velum_plan {
     uint32_t march_steps;       /* along a ray, at most */
     uint32_t light_steps;       /* towards the sun */
     uint32_t ray_rate;          /* one ray for so many pixels: 1, 4 or 16 */
-    uint32_t octaves;           /* of multiple scattering */
+    uint32_t octaves;           /* of multiple scattering; no effect yet */
     uint32_t blending;          /* 1: two weather states are mixed */
     float step_m;               /* first step in cloud */
     float step_growth;          /* relative growth with distance */

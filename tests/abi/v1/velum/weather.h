@@ -122,7 +122,7 @@ typedef struct velum_cell {
     uint32_t reserved;
 } velum_cell;
 
-/* A regular latitude-longitude grid of nodes, the lowest rank. cells[j * columns + i] stands at latitude
+/* A regular latitude-longitude grid of nodes; it ranks above global cells and below stations. cells[j * columns + i] stands at latitude
  * lat_first_deg + j lat_step_deg and longitude lon_first_deg + i lon_step_deg; its kind, lat_deg and lon_deg are not
  * read. A grid whose columns reach round the globe is closed over the antimeridian. Outside it nothing is added. */
 typedef struct velum_grid {
