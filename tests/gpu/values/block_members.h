@@ -1,7 +1,7 @@
 /* Members of the blocks of shared/arguments.h, in order: F of floats, U of words. */
 #define MEMBERS_SLOT(F) F(shape_0) F(shape_1) F(lump_0) F(lump_1) F(fine_0) F(fine_1) F(bounds) F(optics)
 #define MEMBERS_EYE(F, U)                                                                                              \
-    F(scaled) F(position) F(up) U(table) F(weather) F(drift) F(sun) F(sun_lx) F(ground) F(span) F(sky)
+    F(scaled) F(position) F(up) U(table) F(weather) F(drift) F(sun) F(sun_lx) F(ground) F(span) F(shade)
 #define MEMBERS_VIEW(F, U)                                                                                             \
     F(right)                                                                                                           \
     F(up)                                                                                                              \
