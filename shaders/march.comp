@@ -131,7 +131,7 @@ void main() {
     /* Eight neighbours in a row of invocations stand 4 x 2 in the picture: they go the same way more often. */
     uint lane = gl_LocalInvocationIndex & 7u;
     uint part = gl_LocalInvocationIndex >> 3u;
-    ivec2 block = ivec2(gl_WorkGroupID.xy) * VELUM_GROUP +
+    ivec2 block = dealt_group() * VELUM_GROUP +
                   ivec2((part & 1u) * 4u + (lane & 3u), (part >> 1u) * 2u + (lane >> 2u));
     if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
         return;

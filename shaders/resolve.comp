@@ -140,7 +140,7 @@ vec2 along_ray(float h0, float mu0, float distance_m) {
 layout(constant_id = 0) const bool draws_ground = true;
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
         return;
     }

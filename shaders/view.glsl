@@ -9,6 +9,17 @@ layout(set = 1, binding = VELUM_BIND_VIEW, std140) uniform view_uniform {
 };
 layout(set = 1, binding = VELUM_BIND_DEPTH) uniform sampler2D depth_image;
 
+/* Software devices give each thread one run of work groups: rows of groups are dealt like cards, so that sky and ground
+ * fall to all alike. One deal is a bijection of 0..rows - 1; two of them spread four ways. */
+uint deal(uint row, uint rows) {
+    uint first = (rows + 1u) / 2u;
+    return row < first ? 2u * row : 2u * (row - first) + 1u;
+}
+ivec2 dealt_group() {
+    uint rows = gl_NumWorkGroups.y;
+    return ivec2(gl_WorkGroupID.x, deal(deal(gl_WorkGroupID.y, rows), rows));
+}
+
 struct view_ray {
     vec3 origin; /* offset from the eye */
     vec3 direction;
