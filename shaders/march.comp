@@ -19,8 +19,8 @@ const float dim = 0.3;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
-/* Software devices run both sides of every branch and leave a loop only when all their lanes do. So all that is dear
- * stands in loops: the search for the next cloud, then the light of what was found. */
+/* Software devices run both sides of every branch, but leave a loop when all their lanes have. So all that is dear
+ * stands in loops that run once or not at all, and no lane waits for another's cloud: one loop seeks and lights. */
 
 /* What holds along a ray: its angle to the sun never changes. */
 struct ray_phases {
@@ -193,104 +193,103 @@ void main() {
     while (alive) {
         cloud_hit hit;
         hit.extinction_1_m = 0.0;
-        float dt = 0.0;
-        float at = 0.0;
-        {
-            bool is_short = position < short_until;
-            /* Longer as they run out, so that a ray comes to its end. */
-            float spent = 1.0 - float(left) / float(view.steps.x);
-            float long_dt = max(dt_min, position * growth) * (1.0 + 4.0 * spent * spent * spent);
-            dt = min(is_short ? long_dt * short_share : long_dt, end - position);
-            at = position + dt * offset;
-            vec3 r = ray.origin + ray.direction * at;
-            velum_place place = place_of(r);
-            vec3 normal = vec3(place.nx, place.ny, place.nz);
-            float h = place.height_m;
-            float rise = dot(normal, ray.direction);
-            float h0 = h - rise * dt * offset;
-            float h1 = h + rise * dt * (1.0 - offset);
-            float low = min(h0, h1);
-            float high = max(h0, h1);
-            tile_place tile = tile_find(normal, at);
-            missing = missing || tile.missing;
+        bool is_short = position < short_until;
+        /* Longer as they run out, so that a ray comes to its end. */
+        float spent = 1.0 - float(left) / float(view.steps.x);
+        float long_dt = max(dt_min, position * growth) * (1.0 + 4.0 * spent * spent * spent);
+        float dt = min(is_short ? long_dt * short_share : long_dt, end - position);
+        float at = position + dt * offset;
+        vec3 r = ray.origin + ray.direction * at;
+        velum_place place = place_of(r);
+        vec3 normal = vec3(place.nx, place.ny, place.nz);
+        float h = place.height_m;
+        float rise = dot(normal, ray.direction);
+        float h0 = h - rise * dt * offset;
+        float h1 = h + rise * dt * (1.0 - offset);
+        float low = min(h0, h1);
+        float high = max(h0, h1);
+        tile_place tile = tile_find(normal, at);
+        missing = missing || tile.missing;
 
-            /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
-            int slot = -1;
-            uint meets = 0u;
-            for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
-                int candidate = findLSB(rest);
-                vec4 bounds = eye.slots[candidate].bounds;
-                uint bit = 1u << uint(candidate);
-                bool outside = high < bounds.x || low > bounds.y;
-                bool here = (tile.mask & bit) != 0u;
-                float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : 0.1 * at);
-                advance = min(advance, away);
-                bool fresh = !outside && here && (done & bit) == 0u;
-                meets |= fresh ? bit : 0u;
-            }
-            slot = meets != 0u ? findLSB(meets) : 0;
-            bool looking = meets != 0u;
-            done |= looking ? 1u << uint(slot) : 0u;
-            meets &= ~(1u << uint(slot));
-
-            velum_slot_fields f = slot_fields(tile, slot, looking);
-            bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
-            float thickness = max(f.top_m - f.base_m, 1.0);
-            float z = (h - f.base_m) / thickness;
-            bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
-            velum_profile profile = velum_profile_of(slot, f);
-            float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-            /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
-            float lump = 0.0;
-            float fine = 0.5;
-            for (int once = within && e > 0.0 ? 0 : 1; once < 1; ++once) {
-                lump = lump_noise(slot, f, r);
-                fine = velum_shows_fine(at, eye.slots[slot].fine_0.w) ? fine_noise(slot, f, r) : 0.5;
-            }
-            float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
-            float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
-            samples += within ? 1u : 0u;
-            /* Sharp faces: the share of the step that lies within them. */
-            float overlap = high - low > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / (high - low), 0.0, 1.0)
-                                              : (h >= f.base_m && h <= f.top_m ? 1.0 : 0.0);
-            float slab = looking && f.coverage >= 0.5 ? f.extinction_1_m * overlap : 0.0;
-            extinction = uniform_layer ? slab : extinction;
-
-            /* The rank rises by at most about 1 over an eighth of the period. */
-            float gap = max(-e, 0.0) * f.coverage * 0.05 / eye.slots[slot].shape_0.w;
-            float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0);
-            float own = f.coverage <= 0.0 ? 0.05 * at : (within ? gap : climb);
-            advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
-
-            hit.slot = slot;
-            hit.fields = f;
-            hit.profile = profile;
-            hit.excess = e;
-            hit.margin = max(velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine), 0.0);
-            hit.r = r;
-            hit.normal = normal;
-            hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
-
-            bool found = extinction > 1.0e-7;
-            --left;
-            if (found && !is_short && !uniform_layer) {
-                short_until = position + dt;
-                position = max(at - dt, settled);
-                found = false;
-                advance = 1.0e9;
-                done = 0u;
-            } else if (meets == 0u) {
-                short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
-                settled = found ? position + dt : settled;
-                /* Beside a cloud, shorter ones: a long step would pass over its edge. */
-                float share = within && !found ? clamp(1.5 * gap / dt, 0.35, 1.0) : 1.0;
-                position += found ? dt : max(dt * share, advance);
-                advance = 1.0e9;
-                done = 0u;
-            }
-            hit.extinction_1_m = found ? extinction : 0.0;
-            alive = position < end && left > 0;
+        /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
+        int slot = -1;
+        uint meets = 0u;
+        for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
+            int candidate = findLSB(rest);
+            vec4 bounds = eye.slots[candidate].bounds;
+            uint bit = 1u << uint(candidate);
+            bool outside = high < bounds.x || low > bounds.y;
+            bool here = (tile.mask & bit) != 0u;
+            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : 0.1 * at);
+            advance = min(advance, away);
+            bool fresh = !outside && here && (done & bit) == 0u;
+            meets |= fresh ? bit : 0u;
         }
+        slot = meets != 0u ? findLSB(meets) : 0;
+        bool looking = meets != 0u;
+        done |= looking ? 1u << uint(slot) : 0u;
+        meets &= ~(1u << uint(slot));
+
+        velum_slot_fields f = slot_fields(tile, slot, looking);
+        bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
+        float thickness = max(f.top_m - f.base_m, 1.0);
+        float z = (h - f.base_m) / thickness;
+        bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
+        velum_profile profile = velum_profile_of(slot, f);
+        float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
+        /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
+        float lump = 0.0;
+        float fine = 0.5;
+        bool covered = within && e > 0.0;
+        for (int once = covered ? 0 : 1; once < 1; ++once) {
+            lump = lump_noise(slot, f, r);
+        }
+        for (int once = covered && velum_shows_fine(at, eye.slots[slot].fine_0.w) ? 0 : 1; once < 1; ++once) {
+            fine = fine_noise(slot, f, r);
+        }
+        float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
+        float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
+        samples += within ? 1u : 0u;
+        /* Sharp faces: the share of the step that lies within them. */
+        float overlap = high - low > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / (high - low), 0.0, 1.0)
+                                          : (h >= f.base_m && h <= f.top_m ? 1.0 : 0.0);
+        float slab = looking && f.coverage >= 0.5 ? f.extinction_1_m * overlap : 0.0;
+        extinction = uniform_layer ? slab : extinction;
+
+        /* The rank rises by at most about 1 over an eighth of the period. */
+        float gap = max(-e, 0.0) * f.coverage * 0.05 / eye.slots[slot].shape_0.w;
+        float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0);
+        float own = f.coverage <= 0.0 ? 0.05 * at : (within ? gap : climb);
+        advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
+
+        hit.slot = slot;
+        hit.fields = f;
+        hit.profile = profile;
+        hit.excess = e;
+        hit.margin = max(velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine), 0.0);
+        hit.r = r;
+        hit.normal = normal;
+        hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
+
+        bool found = extinction > 1.0e-7;
+        --left;
+        if (found && !is_short && !uniform_layer) {
+            short_until = position + dt;
+            position = max(at - dt, settled);
+            found = false;
+            advance = 1.0e9;
+            done = 0u;
+        } else if (meets == 0u) {
+            short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
+            settled = found ? position + dt : settled;
+            /* Beside a cloud, shorter ones: a long step would pass over its edge. */
+            float share = within && !found ? clamp(1.5 * gap / dt, 0.35, 1.0) : 1.0;
+            position += found ? dt : max(dt * share, advance);
+            advance = 1.0e9;
+            done = 0u;
+        }
+        hit.extinction_1_m = found ? extinction : 0.0;
+        alive = position < end && left > 0;
 
         /* Behind most of the cloud's opacity the light found last will do. */
         bool wanted = hit.extinction_1_m > 0.0 && (through > dim || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
