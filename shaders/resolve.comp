@@ -166,9 +166,12 @@ void main() {
         float way = to_ground ? ground : 60000.0 / max(mu0, 0.02);
         vec2 far = along_ray(from.height_m, mu0, way);
         vec3 whole = air_between(from.height_m, mu0, to_ground ? 0.0 : VELUM_AIR_TOP_M, to_ground ? far.y : 1.0, way);
-        vec2 near = along_ray(from.height_m, mu0, max(hit, 0.0));
-        vec3 before = air_between(from.height_m, mu0, near.x, near.y, max(hit, 0.0));
-        vec3 air = solid && host ? before : whole;
+        vec3 air = whole;
+        /* A loop that runs once or not at all: see march.comp. */
+        for (int once = host ? 0 : 1; once < 1; ++once) {
+            vec2 near = along_ray(from.height_m, mu0, hit);
+            air = air_between(from.height_m, mu0, near.x, near.y, hit);
+        }
         vec3 sky = sky_luminance(ray.direction, to_ground);
         vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);
         light += through * sky * share;
