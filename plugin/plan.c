@@ -14,7 +14,7 @@ typedef struct preset {
 } preset;
 
 static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f},
-                                 [VELUM_QUALITY_MEDIUM] = {"medium", 192, 4, 3, 130.0f, 0.013f},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f},
                                  [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f},
                                  [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f}};
 

@@ -14,7 +14,7 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 };
 
 /* Of a long step. */
-const float short_share = 0.2;
+const float short_share = 0.18;
 const float dim = 0.3;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
@@ -283,7 +283,7 @@ void main() {
             short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = found ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
-            float share = within && !found ? clamp(1.5 * gap / dt, 0.35, 1.0) : 1.0;
+            float share = within && !found ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
             position += found ? dt : max(dt * share, advance);
             advance = 1.0e9;
             done = 0u;

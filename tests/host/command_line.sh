@@ -65,7 +65,7 @@ refused '--settle: found .-1.' play "$good" --settle -1
 refused '--pose: found .1,2,3., expected lat,lon' play "$good" --pose 1,2,3
 refused '--pose: latitude: found .91.' play "$good" --pose 91,0,0,0,0,0
 refused '--pose: height: found .nan.' play "$good" --pose 0,0,nan,0,0,0
-refused '--pose: height: found .6e7., expected -10000 to 5e+07' play "$good" --pose 0,0,6e7,0,0,0
+refused '--pose: height: found .6e7., expected -10000 to 5e.07' play "$good" --pose 0,0,6e7,0,0,0
 refused '--quality: found .best.' play "$good" --quality best
 refused '--spp needs --quality reference' play "$good" --spp 16
 refused '--device: found .fast.' play "$good" --device fast
