@@ -40,20 +40,20 @@ extern "C" {
 typedef int32_t velum_result;
 enum {
     VELUM_OK = 0,
-    VELUM_INCOMPLETE = 1,  /* done, but some data was not ready: the picture lacks detail; call prepare() and go on */
-    VELUM_DEGRADED = 2,    /* done, with a stated loss of quality (a limit of the device or of memory was met) */
-    VELUM_UNCHANGED = 3,   /* nothing to do */
+    VELUM_INCOMPLETE = 1, /* done, but some data was not ready: the picture lacks detail; call prepare() and go on */
+    VELUM_DEGRADED = 2,   /* done, with a stated loss of quality (a limit of the device or of memory was met) */
+    VELUM_UNCHANGED = 3,  /* nothing to do */
 
-    VELUM_ERROR_ARGUMENT = -1,      /* a null pointer or a value outside its range; the log names the field */
-    VELUM_ERROR_STRUCT_SIZE = -2,   /* struct_size below the frozen v1 size */
-    VELUM_ERROR_FLAGS = -3,         /* an unknown flag or a reserved field that is not 0 */
-    VELUM_ERROR_STATE = -4,         /* the call is not legal in this state */
-    VELUM_ERROR_VERSION = -5,       /* no common version */
-    VELUM_ERROR_UNSUPPORTED = -6,   /* reserved for later, or not possible on this device */
+    VELUM_ERROR_ARGUMENT = -1,    /* a null pointer or a value outside its range; the log names the field */
+    VELUM_ERROR_STRUCT_SIZE = -2, /* struct_size below the frozen v1 size */
+    VELUM_ERROR_FLAGS = -3,       /* an unknown flag or a reserved field that is not 0 */
+    VELUM_ERROR_STATE = -4,       /* the call is not legal in this state */
+    VELUM_ERROR_VERSION = -5,     /* no common version */
+    VELUM_ERROR_UNSUPPORTED = -6, /* reserved for later, or not possible on this device */
     VELUM_ERROR_OUT_OF_MEMORY = -7,
     VELUM_ERROR_DEVICE_LOST = -8,
-    VELUM_ERROR_VULKAN = -9,        /* any other failure of a Vulkan call; the log holds call and VkResult */
-    VELUM_ERROR_HANDLE = -10        /* not a live object of this type (destroyed twice, foreign, null) */
+    VELUM_ERROR_VULKAN = -9, /* any other failure of a Vulkan call; the log holds call and VkResult */
+    VELUM_ERROR_HANDLE = -10 /* not a live object of this type (destroyed twice, foreign, null) */
 };
 
 /* The name of a result, "VELUM_OK" and so on; "VELUM_?" for a value that is none. */
@@ -81,9 +81,9 @@ enum {
     VELUM_LOG_DEBUG = 0,
     VELUM_LOG_INFO = 1,
     VELUM_LOG_WARNING = 2,
-    VELUM_LOG_ERROR = 3,            /* something outside both sides failed (device, memory) */
-    VELUM_LOG_HOST_MISUSE = 4,      /* the host broke a rule of these headers */
-    VELUM_LOG_PLUGIN_DEFECT = 5     /* Velum broke one: please report it */
+    VELUM_LOG_ERROR = 3,        /* something outside both sides failed (device, memory) */
+    VELUM_LOG_HOST_MISUSE = 4,  /* the host broke a rule of these headers */
+    VELUM_LOG_PLUGIN_DEFECT = 5 /* Velum broke one: please report it */
 };
 
 /* Called in the thread of the call that logs. `object` and `message` die when it returns. It must not call back into
@@ -93,25 +93,25 @@ typedef void(VELUM_CALL *velum_log_fn)(void *context, int32_t severity, const ch
 /* What the host says of itself. */
 typedef struct velum_host_info {
     uint32_t struct_size;
-    uint32_t abi_min;       /* lowest and highest ABI major that the host can speak */
+    uint32_t abi_min; /* lowest and highest ABI major that the host can speak */
     uint32_t abi_max;
-    uint32_t flags;         /* 0 */
-    const char *name;       /* may be null */
-    velum_log_fn log;       /* may be null; used during negotiation only */
+    uint32_t flags;   /* 0 */
+    const char *name; /* may be null */
+    velum_log_fn log; /* may be null; used during negotiation only */
     void *log_context;
 } velum_host_info;
 
 /* What the plugin answers. All pointers are static data of the plugin, valid until it is unloaded. */
 typedef struct velum_plugin_info {
-    uint32_t struct_size;   /* in: set by the host */
-    uint32_t abi;           /* the highest common major; 0 if there is none */
+    uint32_t struct_size; /* in: set by the host */
+    uint32_t abi;         /* the highest common major; 0 if there is none */
     uint32_t abi_min;
     uint32_t abi_max;
     uint32_t version_major; /* of the plugin, for people */
     uint32_t version_minor;
     uint32_t version_patch;
     uint32_t reserved;
-    const char *name;       /* "Velum" */
+    const char *name; /* "Velum" */
     /* [any] The table of that id ("velum.world/1", "velum.engine/1", "velum.vulkan/1", "velum.standalone/1"), or null
      * if there is none. Every table begins with its own uint32_t struct_size. */
     const void *(VELUM_CALL *get_table)(const char *id);
@@ -123,11 +123,11 @@ typedef velum_result(VELUM_CALL *velum_negotiate_fn)(const velum_host_info *host
 VELUM_EXPORT velum_result VELUM_CALL velum_negotiate(const velum_host_info *host, velum_plugin_info *out);
 
 /* Opaque objects. */
-typedef struct velum_world velum_world;     /* the weather of the planet, on the CPU; engines share it */
-typedef struct velum_engine velum_engine;   /* one per device */
-typedef struct velum_eye velum_eye;         /* a point of view: time, plan, budget, seam rules */
-typedef struct velum_view velum_view;       /* one camera of an eye, with its own history */
-typedef struct velum_shadow velum_shadow;   /* a cloud shadow map around a centre */
+typedef struct velum_world velum_world;   /* the weather of the planet, on the CPU; engines share it */
+typedef struct velum_engine velum_engine; /* one per device */
+typedef struct velum_eye velum_eye;       /* a point of view: time, plan, budget, seam rules */
+typedef struct velum_view velum_view;     /* one camera of an eye, with its own history */
+typedef struct velum_shadow velum_shadow; /* a cloud shadow map around a centre */
 
 #ifdef __cplusplus
 }

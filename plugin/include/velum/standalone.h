@@ -2,7 +2,8 @@
  *
  * Makes a device of its own (loading the Vulkan loader at run time) and returns pixels in host memory, over the same
  * code as "velum.vulkan/1". Calls block until the device is done. Eyes, views and shadow maps come from
- * "velum.engine/1"; begin_frame, end_frame and record calls are not legal on such an engine: render() stands for them. */
+ * "velum.engine/1"; begin_frame, end_frame and record calls are not legal on such an engine: render() stands for them.
+ */
 #ifndef VELUM_STANDALONE_H
 #define VELUM_STANDALONE_H
 
@@ -16,11 +17,11 @@ enum { VELUM_DEVICE_AUTO = -1, VELUM_DEVICE_CPU = -2 };
 
 typedef struct velum_standalone_desc {
     uint32_t struct_size;
-    uint32_t flags;         /* VELUM_STANDALONE_VALIDATE */
-    velum_world *world;     /* must outlive the engine */
+    uint32_t flags;     /* VELUM_STANDALONE_VALIDATE */
+    velum_world *world; /* must outlive the engine */
     velum_log_fn log;
     void *log_context;
-    int32_t device;         /* index of the physical device, VELUM_DEVICE_AUTO (a GPU if there is one), or _CPU */
+    int32_t device; /* index of the physical device, VELUM_DEVICE_AUTO (a GPU if there is one), or _CPU */
     uint32_t reserved;
 } velum_standalone_desc;
 #define VELUM_STANDALONE_VALIDATE 0x1u /* with Khronos validation, messages go to the log; UNSUPPORTED if absent */
@@ -28,14 +29,14 @@ typedef struct velum_standalone_desc {
 /* Pixels of one view, tightly packed rows, top first; each may be null. */
 typedef struct velum_pixels {
     uint32_t struct_size;
-    uint32_t flags;             /* 0 */
+    uint32_t flags; /* 0 */
     velum_view *view;
     const velum_view_frame *frame;
-    float *luminance_rgb;       /* width * height * 3 */
-    float *transmittance_rgb;   /* width * height * 3 */
-    float *distance_m;          /* width * height */
-    const float *depth;         /* input, width * height, by frame->depth_convention; null: none */
-    uint32_t width, height;     /* of the buffers: as the frame's sub-rectangle */
+    float *luminance_rgb;     /* width * height * 3 */
+    float *transmittance_rgb; /* width * height * 3 */
+    float *distance_m;        /* width * height */
+    const float *depth;       /* input, width * height, by frame->depth_convention; null: none */
+    uint32_t width, height;   /* of the buffers: as the frame's sub-rectangle */
 } velum_pixels;
 
 typedef struct velum_standalone_api {

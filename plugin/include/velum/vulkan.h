@@ -20,12 +20,12 @@ extern "C" {
 /* Static data of the plugin. */
 typedef struct velum_vulkan_requirements {
     uint32_t struct_size;
-    uint32_t api_version;                   /* lowest VkInstance and VkDevice version: Vulkan 1.3 */
+    uint32_t api_version; /* lowest VkInstance and VkDevice version: Vulkan 1.3 */
     uint32_t instance_extension_count;
     uint32_t device_extension_count;
     const char *const *instance_extensions;
     const char *const *device_extensions;
-    const VkPhysicalDeviceFeatures *features;       /* to be enabled at least; VK_TRUE where needed */
+    const VkPhysicalDeviceFeatures *features;           /* to be enabled at least; VK_TRUE where needed */
     const VkPhysicalDeviceVulkan11Features *features11; /* sType set, pNext null */
     const VkPhysicalDeviceVulkan12Features *features12;
     const VkPhysicalDeviceVulkan13Features *features13;
@@ -34,21 +34,21 @@ typedef struct velum_vulkan_requirements {
 /* The lent device. All handles stay the host's. */
 typedef struct velum_vulkan_lend {
     uint32_t struct_size;
-    uint32_t flags;                         /* 0 */
-    velum_world *world;                     /* the weather to show; must outlive the engine */
-    velum_log_fn log;                       /* may be null */
+    uint32_t flags;     /* 0 */
+    velum_world *world; /* the weather to show; must outlive the engine */
+    velum_log_fn log;   /* may be null */
     void *log_context;
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
     VkInstance instance;
     VkPhysicalDevice physical_device;
     VkDevice device;
-    uint32_t api_version;                   /* that the instance was made with */
-    uint32_t queue_family;                  /* of the command buffers that will be recorded into */
-    uint32_t frames_in_flight;              /* most frames between begin_frame and their completion, 1..4 */
-    uint32_t enabled_extension_count;       /* device extensions that are enabled */
+    uint32_t api_version;             /* that the instance was made with */
+    uint32_t queue_family;            /* of the command buffers that will be recorded into */
+    uint32_t frames_in_flight;        /* most frames between begin_frame and their completion, 1..4 */
+    uint32_t enabled_extension_count; /* device extensions that are enabled */
     const char *const *enabled_extensions;
     const VkPhysicalDeviceFeatures *enabled_features; /* what was enabled; null: the requirements were */
-    const void *pipeline_cache;             /* a blob from get_pipeline_cache, of any version and device, or null */
+    const void *pipeline_cache; /* a blob from get_pipeline_cache, of any version and device, or null */
     uint64_t pipeline_cache_size;
 } velum_vulkan_lend;
 
@@ -60,28 +60,28 @@ typedef struct velum_vulkan_lend {
  * they are 2D arrays and array_layer of the view's frame selects (resolve_layered.spv.h serves them). */
 typedef struct velum_vulkan_images {
     uint32_t struct_size;
-    uint32_t flags;             /* 0 */
-    VkImageView luminance;      /* VK_FORMAT_R16G16B16A16_SFLOAT or VK_FORMAT_R32G32B32A32_SFLOAT, storage */
-    VkImageView transmittance;  /* the same format as luminance */
-    VkImageView distance;       /* VK_FORMAT_R32_SFLOAT, storage: mean distance of cloud, m, 0 where there is none;
-                                   may be null */
-    VkImageView depth;          /* single sample, any format with a float or depth aspect to sample; may be null */
+    uint32_t flags;            /* 0 */
+    VkImageView luminance;     /* VK_FORMAT_R16G16B16A16_SFLOAT or VK_FORMAT_R32G32B32A32_SFLOAT, storage */
+    VkImageView transmittance; /* the same format as luminance */
+    VkImageView distance;      /* VK_FORMAT_R32_SFLOAT, storage: mean distance of cloud, m, 0 where there is none;
+                                  may be null */
+    VkImageView depth;         /* single sample, any format with a float or depth aspect to sample; may be null */
     VkImageLayout depth_layout;
-    VkFormat format;            /* of luminance and transmittance */
-    uint32_t width, height;     /* of the images */
-    uint32_t layers;            /* 0: 2D views; else 2D array views of so many layers */
+    VkFormat format;        /* of luminance and transmittance */
+    uint32_t width, height; /* of the images */
+    uint32_t layers;        /* 0: 2D views; else 2D array views of so many layers */
     uint32_t reserved;
 } velum_vulkan_images;
 
-/* The shadow map's image, for the host's descriptor: R16_UNORM or R16_SFLOAT transmittance of cloud between the world and
- * the sun, one array layer per level; VK_IMAGE_LAYOUT_GENERAL at all times. Sample it with velum_shadow.glsl. Valid as
- * long as the shadow object. The host puts a barrier (compute write to its own read) behind record_shadow. */
+/* The shadow map's image, for the host's descriptor: R16_UNORM or R16_SFLOAT transmittance of cloud between the world
+ * and the sun, one array layer per level; VK_IMAGE_LAYOUT_GENERAL at all times. Sample it with velum_shadow.glsl. Valid
+ * as long as the shadow object. The host puts a barrier (compute write to its own read) behind record_shadow. */
 typedef struct velum_vulkan_shadow {
     uint32_t struct_size;
     uint32_t levels;
     VkImage image;
-    VkImageView view;           /* 2D array */
-    VkSampler sampler;          /* linear, clamped */
+    VkImageView view;  /* 2D array */
+    VkSampler sampler; /* linear, clamped */
     VkFormat format;
     uint32_t texels;
 } velum_vulkan_shadow;
@@ -105,8 +105,8 @@ typedef struct velum_vulkan_api {
     velum_result(VELUM_CALL *get_pipeline_cache)(velum_engine *engine, void *data, uint64_t *size);
 
     /* [render] Once a frame, after begin_frame: uploads, tables, and what the eyes named share. */
-    velum_result(VELUM_CALL *record_shared)(velum_engine *engine, VkCommandBuffer commands,
-                                            const velum_eye_frame *eyes, uint32_t eye_count, uint32_t eye_stride);
+    velum_result(VELUM_CALL *record_shared)(velum_engine *engine, VkCommandBuffer commands, const velum_eye_frame *eyes,
+                                            uint32_t eye_count, uint32_t eye_stride);
 
     /* [render] After record_shared, once a frame for each view of an eye named there. VELUM_INCOMPLETE: a tile was
      * missing. */

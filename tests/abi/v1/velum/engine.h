@@ -28,10 +28,10 @@ enum { VELUM_ATMOSPHERE_EARTH = 0, VELUM_ATMOSPHERE_NONE = 1 };
 
 typedef struct velum_eye_desc {
     uint32_t struct_size;
-    uint32_t flags;         /* 0 */
-    int32_t quality;        /* VELUM_QUALITY_* */
-    float budget_ms;        /* time for all views of the eye; 0: none. Reserved: must be 0 */
-    float budget_error;     /* relative error instead; 0: none. Reserved: must be 0 */
+    uint32_t flags;     /* 0 */
+    int32_t quality;    /* VELUM_QUALITY_* */
+    float budget_ms;    /* time for all views of the eye; 0: none. Reserved: must be 0 */
+    float budget_error; /* relative error instead; 0: none. Reserved: must be 0 */
     uint32_t reserved;
 } velum_eye_desc;
 
@@ -44,31 +44,31 @@ typedef struct velum_view_desc {
 
 typedef struct velum_shadow_desc {
     uint32_t struct_size;
-    uint32_t flags;         /* 0 */
-    uint32_t levels;        /* nested clip maps, 1..4; 0: 3 */
-    uint32_t texels;        /* a side, of each level: 64..1024, a multiple of 16; 0: 256 */
-    float extent_m;         /* side of the finest level; each next is 4 times as wide; 1000..100000; 0: 8192 */
+    uint32_t flags;  /* 0 */
+    uint32_t levels; /* nested clip maps, 1..4; 0: 3 */
+    uint32_t texels; /* a side, of each level: 64..1024, a multiple of 16; 0: 256 */
+    float extent_m;  /* side of the finest level; each next is 4 times as wide; 1000..100000; 0: 8192 */
     uint32_t reserved;
 } velum_shadow_desc;
 
 /* What holds for all views of an engine's frame. */
 typedef struct velum_frame_info {
     uint32_t struct_size;
-    uint32_t flags;                     /* 0 */
-    uint64_t submit_serial;             /* of the submission that this frame is part of; strictly increasing, > 0 */
-    uint64_t completed_serial;          /* of the newest submission that the device has finished; < submit_serial */
-    double time_s;                      /* on the weather timeline; may go backward */
-    double sun_direction_ecef[3];       /* towards the sun, unit within 1e-3 */
-    float sun_illuminance_lx[3];        /* at the top of the atmosphere, on a plane that faces the sun; >= 0 */
-    float sun_angular_radius_rad;       /* 0: 0.004654 */
-    float ground_albedo[3];             /* 0..1 */
-    int32_t atmosphere;                 /* VELUM_ATMOSPHERE_* */
+    uint32_t flags;               /* 0 */
+    uint64_t submit_serial;       /* of the submission that this frame is part of; strictly increasing, > 0 */
+    uint64_t completed_serial;    /* of the newest submission that the device has finished; < submit_serial */
+    double time_s;                /* on the weather timeline; may go backward */
+    double sun_direction_ecef[3]; /* towards the sun, unit within 1e-3 */
+    float sun_illuminance_lx[3];  /* at the top of the atmosphere, on a plane that faces the sun; >= 0 */
+    float sun_angular_radius_rad; /* 0: 0.004654 */
+    float ground_albedo[3];       /* 0..1 */
+    int32_t atmosphere;           /* VELUM_ATMOSPHERE_* */
 } velum_frame_info;
 
 /* One eye in a frame. */
 typedef struct velum_eye_frame {
     uint32_t struct_size;
-    uint32_t flags;                     /* VELUM_EYE_RESET */
+    uint32_t flags; /* VELUM_EYE_RESET */
     velum_eye *eye;
     double position_ecef_m[3];
 } velum_eye_frame;
@@ -91,19 +91,19 @@ enum {
  * from left to right, y from tan_top to tan_bottom from the first row to the last. */
 typedef struct velum_view_frame {
     uint32_t struct_size;
-    uint32_t flags;                 /* VELUM_VIEW_* */
-    double position_ecef_m[3];      /* within 10 km of its eye's */
+    uint32_t flags;            /* VELUM_VIEW_* */
+    double position_ecef_m[3]; /* within 10 km of its eye's */
     double right_ecef[3];
     double up_ecef[3];
     double forward_ecef[3];
-    float tan_left, tan_right;      /* left < right; off-axis is ordinary */
-    float tan_bottom, tan_top;      /* bottom < top */
-    float jitter_x, jitter_y;       /* of the host's own antialiasing, pixels, -1..1 */
-    uint32_t x, y, width, height;   /* sub-rectangle of the images; width, height 0: the view's */
+    float tan_left, tan_right;    /* left < right; off-axis is ordinary */
+    float tan_bottom, tan_top;    /* bottom < top */
+    float jitter_x, jitter_y;     /* of the host's own antialiasing, pixels, -1..1 */
+    uint32_t x, y, width, height; /* sub-rectangle of the images; width, height 0: the view's */
     uint32_t array_layer;
-    int32_t depth_convention;       /* VELUM_DEPTH_*, of the host's depth image */
+    int32_t depth_convention; /* VELUM_DEPTH_*, of the host's depth image */
     float depth_near_m, depth_far_m;
-    float luminance_scale;          /* images hold luminance times this; > 0; 0: 1 */
+    float luminance_scale; /* images hold luminance times this; > 0; 0: 1 */
     uint32_t reserved;
 } velum_view_frame;
 
@@ -111,7 +111,7 @@ typedef struct velum_view_frame {
  * any camera does. */
 typedef struct velum_shadow_frame {
     uint32_t struct_size;
-    uint32_t flags;                 /* 0 */
+    uint32_t flags; /* 0 */
     double centre_ecef_m[3];
 } velum_shadow_frame;
 
@@ -119,10 +119,10 @@ typedef struct velum_shadow_frame {
  * relative to origin_ecef_m. Texel (u, v) of level k at position p: uv = (dot(p, axis_u), dot(p, axis_v)) /
  * extent_m[k] + offset[k]. */
 typedef struct velum_shadow_block {
-    float axis_u[4];        /* unit, across the sun's direction; w: number of levels */
-    float axis_v[4];        /* w: texels a side */
-    float sun[4];           /* towards the sun; w: 0 */
-    float level[4][4];      /* per level: extent_m, offset_u, offset_v, reserved */
+    float axis_u[4];   /* unit, across the sun's direction; w: number of levels */
+    float axis_v[4];   /* w: texels a side */
+    float sun[4];      /* towards the sun; w: 0 */
+    float level[4][4]; /* per level: extent_m, offset_u, offset_v, reserved */
 } velum_shadow_block;
 
 typedef struct velum_shadow_geometry {
@@ -130,39 +130,39 @@ typedef struct velum_shadow_geometry {
     uint32_t levels;
     uint32_t texels;
     uint32_t reserved;
-    double origin_ecef_m[3];    /* the host subtracts this, in double, before it goes to float */
+    double origin_ecef_m[3]; /* the host subtracts this, in double, before it goes to float */
     velum_shadow_block block;
 } velum_shadow_geometry;
 
 /* Figures of the newest finished frame of a view. Times are of the device, ms; 0 where the device has no timestamps. */
 typedef struct velum_view_stats {
     uint32_t struct_size;
-    uint32_t incomplete;        /* 1: tiles were missing */
-    uint64_t frame;             /* submit_serial */
-    uint64_t revision;          /* of the weather */
-    uint64_t rays;              /* marched */
-    uint64_t samples;           /* of the density function along rays, and towards the sun */
+    uint32_t incomplete; /* 1: tiles were missing */
+    uint64_t frame;      /* submit_serial */
+    uint64_t revision;   /* of the weather */
+    uint64_t rays;       /* marched */
+    uint64_t samples;    /* of the density function along rays, and towards the sun */
     uint64_t light_samples;
     float march_ms, resolve_ms; /* of this view */
     float shared_ms;            /* of the eye's shared passes of that frame */
     float shadow_ms;
-    uint64_t weather_bytes;     /* device memory: tiles, noise, tables; shared by all views */
-    uint64_t view_bytes;        /* device memory of this view */
+    uint64_t weather_bytes; /* device memory: tiles, noise, tables; shared by all views */
+    uint64_t view_bytes;    /* device memory of this view */
 } velum_view_stats;
 
 /* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. */
 typedef struct velum_plan {
     uint32_t struct_size;
-    uint32_t flags;             /* 0 */
-    uint32_t active_layers;     /* bit per slot that can be seen */
-    uint32_t march_steps;       /* along a ray, at most */
-    uint32_t light_steps;       /* towards the sun */
-    uint32_t ray_rate;          /* one ray for so many pixels: 1, 4 or 16 */
-    uint32_t octaves;           /* of multiple scattering; no effect yet */
-    uint32_t blending;          /* 1: two weather states are mixed */
-    float step_m;               /* first step in cloud */
-    float step_growth;          /* relative growth with distance */
-    float distance_m;           /* rays end here at the latest */
+    uint32_t flags;         /* 0 */
+    uint32_t active_layers; /* bit per slot that can be seen */
+    uint32_t march_steps;   /* along a ray, at most */
+    uint32_t light_steps;   /* towards the sun */
+    uint32_t ray_rate;      /* one ray for so many pixels: 1, 4 or 16 */
+    uint32_t octaves;       /* of multiple scattering; no effect yet */
+    uint32_t blending;      /* 1: two weather states are mixed */
+    float step_m;           /* first step in cloud */
+    float step_growth;      /* relative growth with distance */
+    float distance_m;       /* rays end here at the latest */
     float reserved;
 } velum_plan;
 
