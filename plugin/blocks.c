@@ -133,12 +133,9 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     memcpy(out->up, up, sizeof up);
 
     uint32_t mask = t->mask & (plan ? plan->active_layers : UINT32_MAX);
-    bool blends = plan ? plan->blending != 0 : e->weather.state[0] != e->weather.state[1];
     out->table[0] = t->first_chunk * (TABLE_CHUNK_BYTES / 4);
     out->table[1] = t->entries - 1;
     out->table[2] = mask;
-    out->table[3] = (blends ? VELUM_TABLE_FLAG_BLENDING : 0u) |
-                    (e->drift.weight[0] > 0.0f && e->drift.weight[1] > 0.0f ? VELUM_TABLE_FLAG_DRIFTING : 0u);
     out->weather[0] = WORLD_TILE_DETAIL;
     out->weather[1] = e->weather.blend;
 

@@ -262,7 +262,7 @@ velum_result engine_begin_frame(engine *e, const velum_frame_info *frame) {
     world_weather_at(e->w, f.time_s, &e->weather);
     e->drift = core_drift_at(f.time_s, e->w->seed);
     if (e->drift.weight[0] == 0.0f) {
-        /* Without VELUM_TABLE_FLAG_DRIFTING shaders take the first phase. */
+        /* Shaders that do not mix (blocks_mix) take the first phase. */
         const core_drift d = e->drift;
         e->drift = (core_drift){
             .tau_s = {d.tau_s[1], d.tau_s[0]}, .weight = {d.weight[1], d.weight[0]}, .cycle = {d.cycle[1], d.cycle[0]}};

@@ -102,11 +102,11 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     float column = f.extinction_1_m * hit.profile.density_scale * thickness * max(reach, 0.1);
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
     float above = clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
-    /* Orders of scattering: the first by its own phase, those that keep near the forward peak by a widened one, the
-     * rest as diffuse light that falls off as 1 / depth (two streams). */
     /* Light that has turned comes by the nearest way out, and that is often the flank: about a tenth of the noise's
      * period from hem to heart. */
     float flank = f.extinction_1_m * hit.profile.density_scale * hit.margin * 0.09 / eye.slots[hit.slot].shape_0.w;
+    /* Orders of scattering: the first by its own phase, those that keep near the forward peak by a widened one, the
+     * rest as diffuse light that falls off as 1 / depth (two streams). */
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = phases.widened * exp(-0.30 * depth) * (1.0 - exp(-0.25 * (column + depth)));
     float thick = 1.0 - exp(-0.10 * (column + depth));
@@ -212,7 +212,6 @@ void main() {
         missing = missing || tile.missing;
 
         /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
-        int slot = -1;
         uint meets = 0u;
         for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
@@ -225,7 +224,7 @@ void main() {
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
         }
-        slot = meets != 0u ? findLSB(meets) : 0;
+        int slot = meets != 0u ? findLSB(meets) : 0;
         bool looking = meets != 0u;
         done |= looking ? 1u << uint(slot) : 0u;
         meets &= ~(1u << uint(slot));

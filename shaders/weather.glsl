@@ -96,26 +96,24 @@ float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float heig
     return rank;
 }
 
-float lump_noise(int slot, velum_slot_fields f, vec3 r) {
+/* Detail noise, 0..1, at r with the phases of one of its two scales. */
+float drifted_detail(velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].lump_0, 1.0);
+    vec3 p = noise_place(r - wind * eye.weather.z, phase_0, 1.0);
     float n = velum_detail_at(p.x, p.y, p.z);
     if (velum_mixes) {
-        p = noise_place(r - wind * eye.weather.w, eye.slots[slot].lump_1, 1.0);
-        n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
-    }
-    return 2.0 * n - 1.0;
-}
-
-float fine_noise(int slot, velum_slot_fields f, vec3 r) {
-    vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 p = noise_place(r - wind * eye.weather.z, eye.slots[slot].fine_0, 1.0);
-    float n = velum_detail_at(p.x, p.y, p.z);
-    if (velum_mixes) {
-        p = noise_place(r - wind * eye.weather.w, eye.slots[slot].fine_1, 1.0);
+        p = noise_place(r - wind * eye.weather.w, phase_1, 1.0);
         n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
     return n;
+}
+
+float lump_noise(int slot, velum_slot_fields f, vec3 r) {
+    return 2.0 * drifted_detail(f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1) - 1.0;
+}
+
+float fine_noise(int slot, velum_slot_fields f, vec3 r) {
+    return drifted_detail(f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1);
 }
 
 #endif

@@ -26,15 +26,12 @@ VELUM_STRUCT(velum_slot_block) {
     VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g; else 1, 0 */
 };
 
-#define VELUM_TABLE_FLAG_BLENDING 1u /* two weather states */
-#define VELUM_TABLE_FLAG_DRIFTING 2u /* two drift phases have weight */
-
 /* An eye in a frame. */
 VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(scaled);   /* velum_eye_geometry: unit scaled position; |s| m */
     VELUM_VEC4(position); /* ECEF m; |s|^2 - a^2 m2 */
     VELUM_VEC4(up);       /* geodetic normal; height HAE m */
-    VELUM_UVEC4(table);   /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; flags */
+    VELUM_UVEC4(table);   /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; 0 */
     VELUM_VEC4(weather);  /* detail of tiles; blend of states 0..1; displacement times tau 0, tau 1 of drift, s */
     VELUM_VEC4(drift);    /* weight of drift phase 1, 0..1; fog extinction at the surface 1/m; fog top HAE m; haze
                              extinction 1/m that visibility at the surface adds to clean air (0: none) */
