@@ -11,14 +11,6 @@
 
 enum { MAX_POINTS = 1 << 20 };
 
-#define TRY(call)                                                                                                      \
-    do {                                                                                                               \
-        velum_result try_result = (call);                                                                              \
-        if (try_result < 0) {                                                                                          \
-            return try_result;                                                                                         \
-        }                                                                                                              \
-    } while (0)
-
 static int type_is(const json_document *document, const json_node *object, const char *type) {
     const json_node *node = json_member(document, object, "type");
     return node && json_is_string(node->value) && strcmp(json_string_value(node->value), type) == 0;
@@ -141,11 +133,7 @@ static velum_result read_feature(const json_document *document, const json_node 
     }
     TRY(json_expect_object(document, properties));
     TRY(json_expect_spelling(document, properties, keys));
-    TRY(json_read_weather(document, properties, set, cell));
-    TRY(json_read_region(document, properties, cell));
-    if (!(cell->flags & ~VELUM_CELL_MERGE_LAYERS) && !cell->thunderstorm) {
-        return json_refuse(document, properties, "one with \"layers\", \"visibility_m\" or other weather");
-    }
+    TRY(json_read_region(document, properties, set, cell));
     cell->kind = VELUM_CELL_POLYGON;
     return read_geometry(document, feature, set, cell);
 }

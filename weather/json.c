@@ -408,10 +408,42 @@ velum_result json_expect_spelling(const json_document *document, const json_node
 
 /* ------------------------------------------------------------------ members */
 
+enum { RANGE_SIZE = 80 };
+
+static void describe_numbers(double least, double most, char text[RANGE_SIZE]) {
+    if (least < most) {
+        snprintf(text, RANGE_SIZE, "a number from %.9g to %.9g", least, most);
+    } else {
+        snprintf(text, RANGE_SIZE, "%.9g", least);
+    }
+}
+
+static void describe_integers(int64_t least, int64_t most, char text[RANGE_SIZE]) {
+    if (least < most) {
+        snprintf(text, RANGE_SIZE, "an integer from %lld to %lld", (long long)least, (long long)most);
+    } else {
+        snprintf(text, RANGE_SIZE, "%lld", (long long)least);
+    }
+}
+
 velum_result json_number(const json_document *document, const json_node *node, double least, double most, double *out) {
     double value = json_number_value(node->value);
     if (!json_is_number(node->value) || !(value >= least && value <= most)) {
-        return json_refuse(document, node, "a number from %.9g to %.9g", least, most);
+        char expected[RANGE_SIZE];
+        describe_numbers(least, most, expected);
+        return json_refuse(document, node, "%s", expected);
+    }
+    *out = value;
+    return VELUM_OK;
+}
+
+velum_result json_whole_number(const json_document *document, const json_node *node, int64_t least, int64_t most,
+                               int64_t *out) {
+    json_int_t value = json_integer_value(node->value);
+    if (!json_is_integer(node->value) || value < least || value > most) {
+        char expected[RANGE_SIZE];
+        describe_integers(least, most, expected);
+        return json_refuse(document, node, "%s", expected);
     }
     *out = value;
     return VELUM_OK;
@@ -421,8 +453,8 @@ velum_result json_read_double(const json_document *document, const json_node *ob
                               double least, double most, double *out) {
     const json_node *node = json_member(document, object, key);
     if (!node) {
-        char expected[80];
-        snprintf(expected, sizeof expected, "a number from %.9g to %.9g", least, most);
+        char expected[RANGE_SIZE];
+        describe_numbers(least, most, expected);
         return required ? json_refuse_missing(document, object, key, expected) : VELUM_OK;
     }
     return json_number(document, node, least, most, out);
@@ -439,17 +471,12 @@ velum_result json_read_float(const json_document *document, const json_node *obj
 velum_result json_read_integer(const json_document *document, const json_node *object, const char *key, int required,
                                int64_t least, int64_t most, int64_t *out) {
     const json_node *node = json_member(document, object, key);
-    char expected[80];
-    snprintf(expected, sizeof expected, "an integer from %lld to %lld", (long long)least, (long long)most);
     if (!node) {
+        char expected[RANGE_SIZE];
+        describe_integers(least, most, expected);
         return required ? json_refuse_missing(document, object, key, expected) : VELUM_OK;
     }
-    if (!json_is_integer(node->value) || json_integer_value(node->value) < least ||
-        json_integer_value(node->value) > most) {
-        return json_refuse(document, node, "%s", expected);
-    }
-    *out = json_integer_value(node->value);
-    return VELUM_OK;
+    return json_whole_number(document, node, least, most, out);
 }
 
 velum_result json_read_bool(const json_document *document, const json_node *object, const char *key, int required,

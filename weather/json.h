@@ -7,6 +7,15 @@
 #include <stddef.h>
 #include <velum_weather/weather.h>
 
+/* Returns the result of a call that failed. */
+#define TRY(call)                                                                                                      \
+    do {                                                                                                               \
+        velum_result try_result = (call);                                                                              \
+        if (try_result < 0) {                                                                                          \
+            return try_result;                                                                                         \
+        }                                                                                                              \
+    } while (0)
+
 /* A value in the text. Nodes stand in the order of the text: a container before what it holds. */
 typedef struct json_node {
     json_t *value;   /* borrowed */
@@ -60,6 +69,8 @@ velum_result json_expect_keys(const json_document *document, const json_node *ob
 velum_result json_expect_spelling(const json_document *document, const json_node *object, const char *const *keys);
 
 velum_result json_number(const json_document *document, const json_node *node, double least, double most, double *out);
+velum_result json_whole_number(const json_document *document, const json_node *node, int64_t least, int64_t most,
+                               int64_t *out);
 
 /* Readers of a member. An optional member that is not there leaves *out as it was. */
 enum { JSON_OPTIONAL = 0, JSON_REQUIRED = 1 };

@@ -21,14 +21,6 @@ static const json_word PRECIPITATIONS[] = {{"none", VELUM_PRECIPITATION_NONE}, {
                                            {"hail", VELUM_PRECIPITATION_HAIL}, {"sleet", VELUM_PRECIPITATION_SLEET}};
 #define COUNT(array) ((uint32_t)(sizeof(array) / sizeof((array)[0])))
 
-#define TRY(call)                                                                                                      \
-    do {                                                                                                               \
-        velum_result try_result = (call);                                                                              \
-        if (try_result < 0) {                                                                                          \
-            return try_result;                                                                                         \
-        }                                                                                                              \
-    } while (0)
-
 void json_layer_defaults(int32_t genus, int32_t water, velum_layer *layer) {
     const weather_genus *typical = weather_genus_of(genus);
     layer->water = water;
@@ -66,7 +58,7 @@ static velum_result read_precipitation(const json_document *document, const json
     return VELUM_OK;
 }
 
-/* Fields of measurements (DESIGN: "structure", "extinction_1_m", "albedo", "phase"). */
+/* Fields for measurements: a layer without noise, its extinction, albedo and phase as given. */
 static velum_result read_optics(const json_document *document, const json_node *object, velum_layer *layer) {
     int32_t structure = 0;
     TRY(json_read_word(document, object, "structure", JSON_OPTIONAL, STRUCTURES, COUNT(STRUCTURES), &structure));
@@ -183,13 +175,18 @@ velum_result json_read_weather(const json_document *document, const json_node *o
     return json_read_bool(document, object, "thunderstorm", JSON_OPTIONAL, &cell->thunderstorm);
 }
 
-velum_result json_read_region(const json_document *document, const json_node *object, velum_cell *cell) {
+velum_result json_read_region(const json_document *document, const json_node *object, velum_weather_set *set,
+                              velum_cell *cell) {
     uint32_t merge = 0;
     int64_t priority = 0;
+    TRY(json_read_weather(document, object, set, cell));
     TRY(json_read_double(document, object, "transition_m", JSON_OPTIONAL, 0, 500000, &cell->transition_m));
     TRY(json_read_bool(document, object, "merge", JSON_OPTIONAL, &merge));
     TRY(json_read_integer(document, object, "priority", JSON_OPTIONAL, -1000, 1000, &priority));
-    cell->flags |= merge ? VELUM_CELL_MERGE_LAYERS : 0;
     cell->priority = (int32_t)priority;
+    if (!cell->flags && !cell->thunderstorm) {
+        return json_refuse(document, object, "one with \"layers\", \"visibility_m\" or other weather");
+    }
+    cell->flags |= merge ? VELUM_CELL_MERGE_LAYERS : 0;
     return VELUM_OK;
 }

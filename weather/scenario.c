@@ -11,14 +11,6 @@
 enum { MAX_CAMERAS = 1000000, MAX_CHANNELS = 64, MAX_EXTRAS = 1024 };
 static const double MOST_TIME_S = 1e9;
 
-#define TRY(call)                                                                                                      \
-    do {                                                                                                               \
-        velum_result try_result = (call);                                                                              \
-        if (try_result < 0) {                                                                                          \
-            return try_result;                                                                                         \
-        }                                                                                                              \
-    } while (0)
-
 /* ------------------------------------------------------------------ time */
 
 static int digits(const char **text, int count, int least, int most, int *out) {
@@ -183,10 +175,8 @@ static velum_result read_size(const json_document *document, const json_node *no
     uint32_t *out[] = {&channel->width, &channel->height};
     const json_node *element = json_first(document, size);
     for (int i = 0; i < 2; i++, element = json_next(document, element)) {
-        json_int_t value = json_integer_value(element->value);
-        if (!json_is_integer(element->value) || value < 1 || value > 8192) {
-            return json_refuse(document, element, "an integer from 1 to 8192");
-        }
+        int64_t value = 0;
+        TRY(json_whole_number(document, element, 1, 8192, &value));
         *out[i] = (uint32_t)value;
     }
     return VELUM_OK;

@@ -11,14 +11,6 @@
 enum { MAX_KEYS = 4096, MAX_SOURCES = 4096 };
 static const double MOST_TIME_S = 1e9;
 
-#define TRY(call)                                                                                                      \
-    do {                                                                                                               \
-        velum_result try_result = (call);                                                                              \
-        if (try_result < 0) {                                                                                          \
-            return try_result;                                                                                         \
-        }                                                                                                              \
-    } while (0)
-
 typedef struct source_reader {
     const json_document *document;
     const char *directory;
@@ -57,22 +49,16 @@ static velum_result read_path(const source_reader *reader, const json_node *sour
     return VELUM_OK;
 }
 
-static velum_result read_grib(const source_reader *reader, const json_node *source) {
-    static const char *const keys[] = {"grib", NULL};
-    char *path = NULL;
-    TRY(json_expect_keys(reader->document, source, keys));
-    TRY(read_path(reader, source, "grib", JSON_REQUIRED, &path));
-    velum_result result = velum_weather_read_grib(reader->set, path, reader->report, reader->document->error);
-    free(path);
-    return result;
-}
+typedef velum_result read_file(velum_weather_set *set, const char *path, velum_weather_report *report,
+                               velum_weather_error *error);
 
-static velum_result read_geojson(const source_reader *reader, const json_node *source) {
-    static const char *const keys[] = {"geojson", NULL};
+/* A source that is a path and nothing else. */
+static velum_result read_plain(const source_reader *reader, const json_node *source, const char *key, read_file *read) {
+    const char *const keys[] = {key, NULL};
     char *path = NULL;
     TRY(json_expect_keys(reader->document, source, keys));
-    TRY(read_path(reader, source, "geojson", JSON_REQUIRED, &path));
-    velum_result result = velum_weather_read_geojson(reader->set, path, reader->report, reader->document->error);
+    TRY(read_path(reader, source, key, JSON_REQUIRED, &path));
+    velum_result result = read(reader->set, path, reader->report, reader->document->error);
     free(path);
     return result;
 }
@@ -176,12 +162,7 @@ static velum_result read_rectangle(const json_document *document, const json_nod
     double least_m = cell->half_east_m < cell->half_north_m ? cell->half_east_m : cell->half_north_m;
     TRY(json_read_double(document, object, "corner_radius_m", JSON_OPTIONAL, 0, least_m, &cell->corner_radius_m));
     TRY(json_read_double(document, object, "rotation_deg", JSON_OPTIONAL, -360, 360, &cell->rotation_deg));
-    TRY(json_read_weather(document, object, set, cell));
-    TRY(json_read_region(document, object, cell));
-    if (!(cell->flags & ~VELUM_CELL_MERGE_LAYERS) && !cell->thunderstorm) {
-        return json_refuse(document, object, "one with \"layers\", \"visibility_m\" or other weather");
-    }
-    return VELUM_OK;
+    return json_read_region(document, object, set, cell);
 }
 
 static velum_result read_region(const source_reader *reader, const json_node *source) {
@@ -207,13 +188,13 @@ static velum_result read_source(const source_reader *reader, const json_node *so
     const json_document *document = reader->document;
     TRY(json_expect_object(document, source));
     if (json_member(document, source, "grib")) {
-        return read_grib(reader, source);
+        return read_plain(reader, source, "grib", velum_weather_read_grib);
     }
     if (json_member(document, source, "metar")) {
         return read_metar(reader, source);
     }
     if (json_member(document, source, "geojson")) {
-        return read_geojson(reader, source);
+        return read_plain(reader, source, "geojson", velum_weather_read_geojson);
     }
     if (json_member(document, source, "global")) {
         return read_global(reader, source);
