@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "json_layer.h"
+#include "ring.h"
 #include "set.h"
 
 #include <math.h>
@@ -53,6 +54,14 @@ static velum_result read_ring(const json_document *document, const json_node *ri
     }
     if (here.lat_deg != first.lat_deg || here.lon_deg != first.lon_deg) {
         return json_refuse(document, ring, "a closed ring: its last position like its first");
+    }
+    velum_result result = weather_ring_check(points, ring->count - 1, &here);
+    if (result == VELUM_ERROR_OUT_OF_MEMORY) {
+        return weather_out_of_memory(document->error, document->name);
+    }
+    if (result < 0) {
+        return json_refuse(document, ring, "a simple one: this ring crosses itself near %.6g, %.6g (lon, lat)",
+                           here.lon_deg, here.lat_deg);
     }
     return fabs(area) > 0 ? VELUM_OK : json_refuse(document, ring, "a ring that encloses an area");
 }

@@ -132,6 +132,12 @@ static void one_bad_feature_is_named_and_left_out(void **state) {
          "geometry.coordinates[0]: found an array of 3, expected an array of at least 4"},
         {FEATURE(FOG, "{\"type\": \"Polygon\", \"coordinates\": [[[8,50],[8,50],[8,50],[8,50]]]}"),
          "geometry.coordinates[0]: found an array of 4, expected a ring that encloses an area"},
+        {FEATURE(FOG, "{\"type\": \"Polygon\", \"coordinates\": [[[8,50],[9,51],[9,50],[8,51],[8,50]]]}"),
+         "geometry.coordinates[0]: found an array of 5, expected a simple one: this ring crosses itself near 8.5, 50.5 "
+         "(lon, lat)"},
+        {FEATURE(FOG, "{\"type\": \"Polygon\", \"coordinates\": [[[8,50],[9,51],[9,50],[8,53],[8,50]]]}"),
+         "geometry.coordinates[0]: found an array of 5, expected a simple one: this ring crosses itself near 8.75, "
+         "50.75 (lon, lat)"},
         {FEATURE(FOG, "{\"type\": \"Polygon\", \"coordinates\": []}"),
          "geometry.coordinates: found an array of 0, expected an array of at least 1"},
         {FEATURE(FOG, "{\"type\": \"Polygon\", \"coordinates\": [[[8],[9,50],[9,51],[8,50]]]}"),
