@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "shared/phase.h"
+#include "tests/files.h"
 
 #define PI 3.14159265358979323846
 
@@ -77,9 +78,7 @@ static void droplets_match_the_reference(void **state) {
     (void)state;
     static const double angles_deg[] = {0, 1, 5, 10, 22, 45, 90, 120, 138, 150, 180};
     char path[1024];
-    const char *source = getenv("VELUM_SOURCE");
-    snprintf(path, sizeof path, "%s/tests/data/hg_draine_reference.csv", source ? source : ".");
-    FILE *file = fopen(path, "r");
+    FILE *file = fopen(source_path(path, "tests/data/hg_draine_reference.csv"), "r");
     assert_non_null(file);
     char line[1024];
     int rows = 0;

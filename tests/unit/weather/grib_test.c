@@ -10,7 +10,7 @@
 #include <time.h>
 #include <velum_weather/weather.h>
 
-#include "files.h"
+#include "tests/files.h"
 
 typedef struct sample {
     char *bytes;

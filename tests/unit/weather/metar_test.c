@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <velum_weather/weather.h>
 
-#include "files.h"
+#include "tests/files.h"
 #include "weather/stations.h"
 
 static const char header[] = "raw_text,station_id,observation_time,latitude,longitude,elevation_m\n";

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "near.h"
+#include "tests/files.h"
 
 static velum_scenario *load(const char *text) {
     velum_scenario *scenario = NULL;
@@ -416,19 +417,14 @@ static void our_own_scenarios_are_good(void **state) {
     (void)state;
     static const char *const names[] = {"fair_weather", "front",       "thunderstorm", "overcast_low_visibility",
                                         "pole",         "antimeridian"};
-    const char *source = getenv("VELUM_SOURCE");
-    if (!source) {
-        print_message("VELUM_SOURCE is not set: no scenarios to read\n");
-        skip();
-        return;
-    }
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char path[1024];
+        char name[64], path[1024];
         velum_scenario *s = NULL;
         velum_weather_error error = {0};
+        snprintf(name, sizeof name, "sample_host/scenarios/%s.json", names[i]);
+        source_path(path, name);
         velum_weather_report *report = calloc(1, sizeof *report);
         assert_non_null(report);
-        snprintf(path, sizeof path, "%s/sample_host/scenarios/%s.json", source, names[i]);
         if (velum_scenario_load(path, NULL, 0, &s, report, &error) != VELUM_OK) {
             fail_msg("%s", error.text);
         }
