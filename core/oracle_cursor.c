@@ -69,7 +69,7 @@ static uint32_t data_key_of(const core_oracle *oracle, uint32_t key) {
     return core_tile_ancestor(key, level);
 }
 
-/* Height and normal by the scaled sphere (DESIGN 2), as velum_place_at, in double. */
+/* Height and normal by the scaled sphere (see core_height_scaled), as velum_place_at, in double. */
 static void set_place(oracle_place *place, const double ecef_m[3]) {
     memcpy(place->ecef_m, ecef_m, sizeof place->ecef_m);
     place->height_m = core_height_scaled(ecef_m);

@@ -1,5 +1,5 @@
 /* velum-calibrate: writes shaders/shared/calibration.h: what the profiles of shared/density.h must be scaled by so that
- * coverage, water path and tops are those that were asked for (DESIGN 4).
+ * coverage, water path and tops are those that were asked for.
  *
  * Found for each kind of cloud at half cover, its usual optical depth and thickness; then how that changes with the
  * share of the optical depth that counts as covered, with thickness, and towards overcast. */

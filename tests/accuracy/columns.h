@@ -18,7 +18,8 @@ typedef struct column_case {
 extern const column_case column_cases[COLUMN_CASES];
 
 typedef struct column_stats {
-    double coverage; /* share of columns whose vertical optical depth exceeds that of the rule (DESIGN 4) */
+    double coverage; /* share of columns whose vertical optical depth exceeds 0.5, or a tenth of the layer's nominal one
+                        where that is less */
     double water;    /* mean water path over that asked for: coverage x water content x thickness */
     double base_error_m, top_error_m; /* 1st and 99th percentile of covered columns, less what was asked for */
 } column_stats;

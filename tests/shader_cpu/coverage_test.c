@@ -1,4 +1,4 @@
-/* What is asked for is what is there (DESIGN 4), over 50 km squares of constant input. A part of what velum-coverage
+/* What is asked for is what is there, over 50 km squares of constant input. A part of what velum-coverage
  * (tests/accuracy) goes through. */
 #include <setjmp.h>
 #include <stdarg.h>

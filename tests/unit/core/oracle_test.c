@@ -131,7 +131,7 @@ static float stored(float share) {
     return roundf(share * 65535.0f) / 65535.0f;
 }
 
-/* The density function, step by step as DESIGN has it, without the oracle's own code. */
+/* The density function step by step (fields, drift, noise, profile), without the oracle's own code. */
 static float direct_extinction(const fixture *f, const core_drift *drift, double lat_deg, double lon_deg,
                                double height_m, const float wind[3]) {
     const velum_layer layer = layer_of(VELUM_GENUS_CU, 0.5f, 1000.0f, 2400.0f);

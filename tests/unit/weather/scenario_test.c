@@ -31,7 +31,7 @@ static velum_state_desc state_of(const velum_scenario *scenario, uint32_t key) {
     return desc;
 }
 
-/* The scenario of DESIGN.md without its files. */
+/* A scenario with every part, without files. */
 static void the_example_is_read_whole(void **state) {
     (void)state;
     velum_scenario *s =
