@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "commit.h"
+
 #define DEG (3.14159265358979323846 / 180.0)
 
 static velum_layer cloud(int32_t genus, float coverage, float base_m, float top_m, float water_g_m3, float radius_um) {
@@ -33,7 +35,7 @@ static velum_result commit_built_in(scene *s) {
     return s->b->host.world->commit(s->world, &state, &id);
 }
 
-static bool commit_scenario(scene *s) {
+static bool play_scenario(scene *s) {
     velum_scenario *scenario = NULL;
     velum_weather_error error = {{0}, 0, 0, 0, {0}};
     velum_weather_report report = {0};
@@ -41,21 +43,7 @@ static bool commit_scenario(scene *s) {
         fprintf(stderr, "velum-bench: %s\n", error.text);
         return false;
     }
-    velum_result result = VELUM_OK;
-    velum_timeline_key keys[64];
-    uint32_t count = scenario->key_count < 64 ? scenario->key_count : 64;
-    for (uint32_t i = 0; i < count && result >= 0; i++) {
-        velum_state_desc state = {.struct_size = sizeof state};
-        velum_weather_set_state(scenario->keys[i].set, &state);
-        state.geoid_undulation_m = scenario->geoid_undulation_m;
-        keys[i] = (velum_timeline_key){.struct_size = sizeof keys[i],
-                                       .time_s = scenario->keys[i].time_s,
-                                       .transition_s = scenario->keys[i].transition_s};
-        result = s->b->host.world->commit(s->world, &state, &keys[i].state);
-    }
-    if (result >= 0) {
-        result = s->b->host.world->set_timeline(s->world, keys, count, 0);
-    }
+    velum_result result = commit_scenario(s->b->host.world, s->world, scenario, 0.0f);
     velum_scenario_camera pose;
     velum_scenario_pose(scenario, 0.0, &pose);
     velum_scenario_pose_ecef(&pose, s->position_ecef_m, s->right, s->up, s->forward);
@@ -99,7 +87,7 @@ bool scene_init(scene *s, bench *b) {
     velum_result result = VELUM_OK;
     if (!b->scenario) {
         result = commit_built_in(s);
-    } else if (!commit_scenario(s)) {
+    } else if (!play_scenario(s)) {
         goto error;
     }
     if (result < 0) {
