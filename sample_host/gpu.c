@@ -149,21 +149,28 @@ void gpu_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from_stage, VkA
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-void gpu_image_to_general(VkCommandBuffer commands, VkImage image) {
-    const VkImageMemoryBarrier2 barrier = {
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-        .dstAccessMask = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT,
-        .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-        .newLayout = VK_IMAGE_LAYOUT_GENERAL,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+void gpu_image_barrier(VkCommandBuffer commands, VkImage image, VkPipelineStageFlags2 stages,
+                       VkAccessFlags2 from_access, VkAccessFlags2 to_access, VkImageLayout from, VkImageLayout to) {
+    const VkImageMemoryBarrier2 barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                           .srcStageMask = stages,
+                                           .srcAccessMask = from_access,
+                                           .dstStageMask = stages,
+                                           .dstAccessMask = to_access,
+                                           .oldLayout = from,
+                                           .newLayout = to,
+                                           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                           .image = image,
+                                           .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
     const VkDependencyInfo dependency = {
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
     vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+void gpu_image_to_general(VkCommandBuffer commands, VkImage image) {
+    gpu_image_barrier(commands, image, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT, 0,
+                      VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+                      VK_IMAGE_LAYOUT_GENERAL);
 }
 
 void gpu_copy_image(VkCommandBuffer commands, const struct gpu_image *image, const struct gpu_buffer *to,

@@ -42,6 +42,9 @@ void gpu_pipeline_destroy(struct device *device, struct gpu_pipeline *pipeline);
 
 void gpu_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                  VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+/* Of a colour image: from and to a layout, `stages` both before and after. */
+void gpu_image_barrier(VkCommandBuffer commands, VkImage image, VkPipelineStageFlags2 stages,
+                       VkAccessFlags2 from_access, VkAccessFlags2 to_access, VkImageLayout from, VkImageLayout to);
 /* Contents may be lost. */
 void gpu_image_to_general(VkCommandBuffer commands, VkImage image);
 void gpu_copy_image(VkCommandBuffer commands, const struct gpu_image *image, const struct gpu_buffer *to,

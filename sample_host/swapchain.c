@@ -150,24 +150,6 @@ bool swapchain_acquire(struct swapchain *swapchain, struct device *device, uint3
     return device_ok(result, "vkAcquireNextImageKHR");
 }
 
-static void change_layout(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to,
-                          VkAccessFlags2 from_access, VkAccessFlags2 to_access) {
-    const VkImageMemoryBarrier2 barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                           .srcStageMask = VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                           .srcAccessMask = from_access,
-                                           .dstStageMask = VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                           .dstAccessMask = to_access,
-                                           .oldLayout = from,
-                                           .newLayout = to,
-                                           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                           .image = image,
-                                           .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-    const VkDependencyInfo dependency = {
-        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
-    vkCmdPipelineBarrier2(commands, &dependency);
-}
-
 void swapchain_fill(struct swapchain *swapchain, VkCommandBuffer commands, const struct gpu_image *picture) {
     VkImage image = swapchain->images[swapchain->current];
     const VkImageBlit region = {
@@ -175,10 +157,11 @@ void swapchain_fill(struct swapchain *swapchain, VkCommandBuffer commands, const
         .srcOffsets = {{0, 0, 0}, {(int32_t)picture->width, (int32_t)picture->height, 1}},
         .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
         .dstOffsets = {{0, 0, 0}, {(int32_t)swapchain->extent.width, (int32_t)swapchain->extent.height, 1}}};
-    change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
-                  VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    const VkPipelineStageFlags2 transfer = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
+    gpu_image_barrier(commands, image, transfer, 0, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+                      VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdBlitImage(commands, picture->handle, VK_IMAGE_LAYOUT_GENERAL, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                    &region, VK_FILTER_LINEAR);
-    change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
-                  VK_ACCESS_2_TRANSFER_WRITE_BIT, 0);
+    gpu_image_barrier(commands, image, transfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, 0,
+                      VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
