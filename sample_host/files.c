@@ -9,13 +9,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-bool files_prepare_folder(const char *path) {
+bool files_prepare_folder(const char *path, struct files_folder *folder) {
     char part[FILES_PATH_MAX];
     size_t length = strlen(path);
+    folder->made = 0;
     if (length == 0 || length >= sizeof part - 64) {
         report_error("'%.80s': not a usable folder name", path);
         return false;
     }
+    memcpy(folder->path, path, length + 1);
     for (size_t i = 1; i <= length; i++) {
         if (path[i] != '/' && path[i] != '\0') {
             continue;
@@ -23,7 +25,12 @@ bool files_prepare_folder(const char *path) {
         memcpy(part, path, i);
         part[i] = '\0';
         struct stat status;
-        if (stat(part, &status) == 0 ? S_ISDIR(status.st_mode) : mkdir(part, 0777) == 0 || errno == EEXIST) {
+        bool there = stat(part, &status) == 0;
+        if (!there && mkdir(part, 0777) == 0) {
+            folder->made = folder->made ? folder->made : i;
+            continue;
+        }
+        if (there ? S_ISDIR(status.st_mode) : errno == EEXIST) {
             continue;
         }
         report_error("%s: cannot make this folder: %s", part, strerror(stat(part, &status) == 0 ? ENOTDIR : errno));
@@ -40,22 +47,46 @@ bool files_prepare_folder(const char *path) {
     return true;
 }
 
-bool files_prepare_parent(const char *file) {
-    char folder[FILES_PATH_MAX];
+bool files_prepare_parent(const char *file, struct files_folder *folder) {
+    char parent[FILES_PATH_MAX];
     struct stat status;
     size_t length = strlen(file);
-    if (length == 0 || length >= sizeof folder || file[length - 1] == '/' ||
+    folder->made = 0;
+    if (length == 0 || length >= sizeof parent || file[length - 1] == '/' ||
         (stat(file, &status) == 0 && S_ISDIR(status.st_mode))) {
         report_error("'%.200s': not a usable file name", file);
         return false;
     }
-    strcpy(folder, file);
-    char *slash = strrchr(folder, '/');
+    strcpy(parent, file);
+    char *slash = strrchr(parent, '/');
     if (!slash) {
-        return files_prepare_folder(".");
+        return files_prepare_folder(".", folder);
     }
-    slash[slash == folder] = '\0';
-    return files_prepare_folder(folder);
+    slash[slash == parent] = '\0';
+    return files_prepare_folder(parent, folder);
+}
+
+void files_remove_empty(const struct files_folder *folder) {
+    char part[FILES_PATH_MAX];
+    if (folder->made == 0) {
+        return;
+    }
+    strcpy(part, folder->path);
+    for (size_t length = strlen(part); length >= folder->made;) {
+        while (length > folder->made && part[length - 1] == '/') {
+            length--;
+        }
+        part[length] = '\0';
+        if (rmdir(part) != 0 && errno != ENOENT) {
+            return;
+        }
+        while (length > 0 && part[length - 1] != '/') {
+            length--;
+        }
+        while (length > 0 && part[length - 1] == '/') {
+            length--;
+        }
+    }
 }
 
 bool files_temporary(const char *path, char temporary[FILES_PATH_MAX]) {

@@ -263,10 +263,11 @@ bool inspect_tiles(const struct options *options) {
     struct eye_pose pose;
     struct progress progress = {.shown = false};
     uint8_t *pixels[FIELDS] = {NULL};
+    struct files_folder made;
     uint64_t rows = 0;
     bool done = false;
     json_t *list = json_array();
-    if (!files_prepare_folder(options->out) || !scene_init(&scene, options)) {
+    if (!files_prepare_folder(options->out, &made) || !scene_init(&scene, options)) {
         goto error;
     }
     scene_pose(&scene, options->at_s, &pose);
@@ -303,5 +304,8 @@ error:
     }
     json_decref(list);
     scene_finish(&scene);
+    if (!done) {
+        files_remove_empty(&made);
+    }
     return done;
 }

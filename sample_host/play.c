@@ -137,8 +137,10 @@ static bool play_headless(const struct options *options) {
     struct progress progress = {.shown = false};
     struct stats stats = {.path = NULL};
     struct play_times times = {.count = 0};
-    bool done = files_prepare_folder(folder) && stats_open(&stats, options->stats) && scene_init(&scene, options) &&
-                play_times(options, scene.scenario->duration_s, &times) && device_init(&device, &scene.plugin, &info);
+    struct files_folder made;
+    bool done = files_prepare_folder(folder, &made) && stats_open(&stats, options->stats) &&
+                scene_init(&scene, options) && play_times(options, scene.scenario->duration_s, &times) &&
+                device_init(&device, &scene.plugin, &info);
     if (done) {
         const struct renderer_info setup = {
             .options = options, .frames_in_flight = 1, .full_precision = options->exr, .readback = true};
@@ -151,6 +153,9 @@ static bool play_headless(const struct options *options) {
     device_finish(&device);
     scene_finish(&scene);
     done = stats_close(&stats) && done;
+    if (!done) {
+        files_remove_empty(&made);
+    }
     if (atomic_load(&device.messages) > 0) {
         report_error("%u validation messages", atomic_load(&device.messages));
         done = false;

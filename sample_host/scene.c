@@ -17,6 +17,16 @@ bool scene_load_scenario(const struct options *options, velum_scenario **out, ve
     return true;
 }
 
+/* A scenario without a duration stands: it goes on for ever. */
+static bool check_time(const char *name, bool given, double time_s, const velum_scenario *scenario) {
+    if (given && scenario->duration_s > 0 && time_s > scenario->duration_s) {
+        report_error("%s: found %.9g, expected 0 to %.9g, the scenario's duration (s)", name, time_s,
+                     scenario->duration_s);
+        return false;
+    }
+    return true;
+}
+
 static bool commit_states(struct scene *scene) {
     const velum_scenario *scenario = scene->scenario;
     const velum_world_api *api = scene->plugin.world;
@@ -57,7 +67,11 @@ error:
 
 bool scene_init(struct scene *scene, const struct options *options) {
     *scene = (struct scene){.has_pose = options->has_pose, .pose = options->pose};
-    if (!scene_load_scenario(options, &scene->scenario, NULL) || !plugin_load(&scene->plugin, options->plugin)) {
+    if (!scene_load_scenario(options, &scene->scenario, NULL) ||
+        !check_time("--at", options->has_at, options->at_s, scene->scenario) ||
+        !check_time("--from", options->has_from, options->from_s, scene->scenario) ||
+        !check_time("--to", options->has_to, options->to_s, scene->scenario) ||
+        !plugin_load(&scene->plugin, options->plugin)) {
         return false;
     }
     const velum_world_desc desc = {

@@ -223,7 +223,8 @@ bool shadow_map(const struct options *options) {
     struct reader reader = {.pool = VK_NULL_HANDLE};
     small.width = small.height = 16;
     const struct renderer_info setup = {.options = &small, .frames_in_flight = 1};
-    bool done = files_prepare_parent(options->out) && scene_init(&scene, options) &&
+    struct files_folder made;
+    bool done = files_prepare_parent(options->out, &made) && scene_init(&scene, options) &&
                 device_init(&device, &scene.plugin, &info) && renderer_init(&renderer, &scene, &device, &setup) &&
                 reader_init(&reader, &renderer) && render(&renderer, &reader, options->at_s) &&
                 write_map(options, &renderer, &reader);
@@ -231,6 +232,9 @@ bool shadow_map(const struct options *options) {
     renderer_finish(&renderer);
     device_finish(&device);
     scene_finish(&scene);
+    if (!done) {
+        files_remove_empty(&made);
+    }
     if (atomic_load(&device.messages) > 0) {
         report_error("%u validation messages", atomic_load(&device.messages));
         done = false;

@@ -6,13 +6,16 @@
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 bool stats_open(struct stats *stats, const char *path) {
+    struct files_folder made;
     *stats = (struct stats){.path = path};
     if (!path) {
         return true;
     }
-    if (!files_prepare_parent(path)) {
+    if (!files_prepare_parent(path, &made)) {
         return false;
     }
     stats->file = fopen(path, "w");
@@ -103,10 +106,14 @@ bool stats_write(struct stats *stats, struct renderer *renderer, uint64_t pictur
 
 bool stats_close(struct stats *stats) {
     FILE *file = stats->file;
+    struct stat status;
     stats->file = NULL;
     if (file && fclose(file) != 0) {
         report_error("%s: cannot write: %s", stats->path, strerror(errno));
         return false;
+    }
+    if (file && stat(stats->path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0) {
+        unlink(stats->path);
     }
     return true;
 }

@@ -81,6 +81,12 @@ refused 'broken.json:2:[0-9]+: ' check "$work/broken.json"
 refused 'broken.json:2:[0-9]+: ' play "$work/broken.json" --out "$work/never"
 refused 'missing.csv' check "$good" --weather "$work/missing.csv"
 accepted 'layers: 1' check "$good"
+refused '--at: found 10.5, expected 0 to 10, the' play "$good" --at 10.5 --out "$work/late"
+refused '--from: found 11, expected 0 to 10,' play "$good" --from 11 --to 5 --out "$work/late"
+refused '--to: found 1e.09, expected 0 to 10,' play "$good" --from 1 --to 1e9 --out "$work/late"
+refused '--at: found 11, expected 0 to 10,' probe "$good" --at 11
+refused '--at: found 11, expected 0 to 10,' tiles "$good" --at 11 --out "$work/late/deep"
+accepted 'optical_depth' probe "$good" --at 10
 accepted 'velum-host play SCENARIO' --help
 
 refused 'cannot load the plugin: .*missing.so' probe "$good" --at 0 --plugin "$work/missing.so"
@@ -100,9 +106,9 @@ if [ "$(id -u)" -ne 0 ]; then
     refused 'closed: cannot write here' play "$good" --at 0 --out "$work/closed"
 fi
 
-left=$(find "$work" -name '*.tmp' -o -name '*.png' -o -name '*.exr')
+left=$(find "$work" -name '*.tmp' -o -name '*.png' -o -name '*.exr' -o -name never -o -name late -o -name hollow)
 if [ -n "$left" ]; then
-    printf 'FAILED: files were left behind: %s\n' "$left"
+    printf 'FAILED: left behind: %s\n' "$left"
     failed=1
 fi
 exit "$failed"

@@ -17,6 +17,12 @@ for scenario in "$scenarios"/*.json; do
     [ "$(find "$out/$name" -size +0 -name '*_000000.exr' | wc -l)" -ge 3 ]
     [ "$(wc -l < "$out/stats")" -ge 9 ]
 done
+if "$host" play "$scenarios/fair_weather.json" --at 5 --device 99 --out "$out/none" --stats "$out/none/stats" 2> "$out/error"
+then
+    exit 1
+fi
+[ "$(wc -l < "$out/error")" -eq 1 ]
+[ ! -e "$out/none" ]
 "$host" play "$scenarios/fair_weather.json" --from 0 --to 3 --size 96x54 --channels left --out "$out/moving" "$@"
 [ "$(find "$out/moving" -size +0 -name '*.png' | wc -l)" -eq 4 ]
 "$host" probe "$scenarios/fair_weather.json" --at 5 > "$out/probe.json"

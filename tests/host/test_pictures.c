@@ -156,16 +156,44 @@ static void folders_are_made_and_checked(void **state) {
     const struct folder *folder = *state;
     char deep[FILES_PATH_MAX], file[FILES_PATH_MAX];
     struct stat status;
+    struct files_folder made;
     assert_true(files_join(folder->path, "one", deep));
-    assert_true(files_prepare_folder(deep));
+    assert_true(files_prepare_folder(deep, &made));
     assert_int_equal(stat(deep, &status), 0);
     assert_true(S_ISDIR(status.st_mode));
     assert_int_equal(count_files(deep, false), 0);
     assert_true(files_join(folder->path, "one/", file));
-    assert_true(files_prepare_folder(file));
-    assert_false(files_prepare_parent(file));
-    assert_false(files_prepare_folder(""));
-    assert_false(files_prepare_folder("/dev/null/x"));
+    assert_true(files_prepare_folder(file, &made));
+    assert_false(files_prepare_parent(file, &made));
+    assert_false(files_prepare_folder("", &made));
+    assert_false(files_prepare_folder("/dev/null/x", &made));
+}
+
+static void only_what_was_made_and_is_empty_is_removed(void **state) {
+    const struct folder *folder = *state;
+    char path[FILES_PATH_MAX], deep[FILES_PATH_MAX], file[FILES_PATH_MAX];
+    struct files_folder made;
+    struct stat status;
+    assert_true(files_join(folder->path, "top", path));
+    assert_true(files_join(path, "middle//deep/", deep));
+    assert_true(files_prepare_folder(deep, &made));
+    files_remove_empty(&made);
+    assert_int_not_equal(stat(path, &status), 0);
+    assert_int_equal(stat(folder->path, &status), 0);
+
+    assert_true(files_prepare_folder(path, &made));
+    assert_true(files_prepare_folder(path, &made)); /* it was there */
+    files_remove_empty(&made);
+    assert_int_equal(stat(path, &status), 0);
+
+    assert_true(files_join(path, "middle/deep/map.exr", file));
+    assert_true(files_prepare_parent(file, &made));
+    assert_true(files_join(path, "middle/kept", file));
+    assert_int_equal(mkdir(file, 0777), 0);
+    files_remove_empty(&made);
+    assert_true(files_join(path, "middle/deep", deep));
+    assert_int_not_equal(stat(deep, &status), 0);
+    assert_int_equal(stat(file, &status), 0);
 }
 
 int main(void) {
@@ -174,6 +202,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(png_holds_the_pixels, setup, teardown),
         cmocka_unit_test_setup_teardown(nothing_is_left_of_a_failure, setup, teardown),
         cmocka_unit_test_setup_teardown(folders_are_made_and_checked, setup, teardown),
+        cmocka_unit_test_setup_teardown(only_what_was_made_and_is_empty_is_removed, setup, teardown),
     };
     return cmocka_run_group_tests_name("pictures", tests, NULL, NULL);
 }
