@@ -19,6 +19,7 @@ void options_print_usage(void) {
           "    [--channels a,b,c] [--at T | --from T --to T --fps F] [--settle N]\n"
           "    [--pose lat,lon,height,heading,pitch,roll] [--quality low|medium|high|ultra|reference] [--spp N]\n"
           "    [--device auto|cpu|INDEX] [--window] [--stats FILE] [--plugin PATH] [--validate]\n"
+          "    [--no-cache]\n"
           "velum-host probe  SCENARIO --at T [--pose ...]     one JSON object: what the weather is there\n"
           "velum-host shadow SCENARIO --at T --out FILE.exr   a cloud shadow map; its geometry as JSON on stdout\n"
           "velum-host tiles  SCENARIO --at T --out DIR        the weather around the eye as pictures, with their "
@@ -240,6 +241,12 @@ static bool set_validate(struct options *options, const char *name, const char *
     return true;
 }
 
+static bool set_no_cache(struct options *options, const char *name, const char *value) {
+    (void)name, (void)value;
+    options->no_cache = true;
+    return true;
+}
+
 static bool set_stats(struct options *options, const char *name, const char *value) {
     (void)name;
     options->stats = value;
@@ -276,6 +283,7 @@ static const struct {
     {"--stats", PLAY, true, set_stats},
     {"--plugin", PLAY | PROBE | SHADOW | TILES, true, set_plugin},
     {"--validate", PLAY | SHADOW, false, set_validate},
+    {"--no-cache", PLAY | SHADOW, false, set_no_cache},
 };
 
 static const char *const command_names[] = {"play", "probe", "shadow", "tiles", "check"};

@@ -32,6 +32,7 @@ struct options {
     int32_t device;  /* index, DEVICE_AUTO or DEVICE_CPU */
     bool window;
     bool validate;
+    bool no_cache;
     const char *stats;
     const char *plugin;
 };

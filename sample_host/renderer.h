@@ -3,6 +3,7 @@
 #define HOST_RENDERER_H
 
 #include "device.h"
+#include "files.h"
 #include "gpu.h"
 #include "scene.h"
 
@@ -34,6 +35,7 @@ struct renderer {
     struct device *device;
     struct scene *scene;
     velum_engine *engine;
+    char cache_path[FILES_PATH_MAX]; /* of the pipeline cache; "": none is kept */
     velum_eye *eye;
     velum_shadow *shadow;
     struct renderer_channel *channels;

@@ -1,4 +1,6 @@
 #include "renderer.h"
+
+#include "cache.h"
 #include "report.h"
 #include "shaders/host_arguments.h"
 #include "text.h"
@@ -50,9 +52,37 @@ static bool select_channels(struct renderer *renderer, const struct options *opt
     return true;
 }
 
+static void find_cache(struct renderer *renderer) {
+    VkPhysicalDeviceIDProperties id = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &id};
+    vkGetPhysicalDeviceProperties2(renderer->device->physical, &properties);
+    cache_path(id.deviceUUID, properties.properties.driverVersion, renderer->cache_path);
+}
+
+static void keep_cache(struct renderer *renderer) {
+    struct plugin *plugin = &renderer->scene->plugin;
+    uint64_t size = 0;
+    void *blob = NULL;
+    if (!renderer->cache_path[0]) {
+        return;
+    }
+    if (plugin->vulkan->get_pipeline_cache(renderer->engine, NULL, &size) >= 0 && (blob = malloc((size_t)size)) &&
+        plugin->vulkan->get_pipeline_cache(renderer->engine, blob, &size) >= 0) {
+        cache_write(renderer->cache_path, blob, (size_t)size);
+    }
+    free(blob);
+    plugin->message[0] = '\0'; /* a cache that cannot be had is no failure */
+}
+
 static bool create_engine(struct renderer *renderer, const struct renderer_info *info) {
     struct device *device = renderer->device;
     struct plugin *plugin = &renderer->scene->plugin;
+    size_t cache_size = 0;
+    void *cache = NULL;
+    if (!info->options->no_cache) {
+        find_cache(renderer);
+        cache = renderer->cache_path[0] ? cache_read(renderer->cache_path, &cache_size) : NULL;
+    }
     const velum_vulkan_lend lend = {.struct_size = sizeof lend,
                                     .world = renderer->scene->world,
                                     .log = plugin_log,
@@ -66,9 +96,12 @@ static bool create_engine(struct renderer *renderer, const struct renderer_info 
                                     .frames_in_flight = renderer->slot_count,
                                     .enabled_extension_count = device->extension_count,
                                     .enabled_extensions = device->extensions,
-                                    .enabled_features = &device->features};
+                                    .enabled_features = &device->features,
+                                    .pipeline_cache = cache,
+                                    .pipeline_cache_size = cache ? cache_size : 0};
     const char *what = "engine";
     velum_result result = plugin->vulkan->create_engine(&lend, &renderer->engine);
+    free(cache);
     if (result >= 0) {
         const velum_eye_desc eye = {.struct_size = sizeof eye, .quality = info->options->quality};
         what = "eye";
@@ -292,6 +325,7 @@ static void destroy_engine(struct renderer *renderer) {
     struct plugin *plugin = &renderer->scene->plugin;
     velum_result result = VELUM_OK;
     plugin->engine->complete(renderer->engine, renderer->begun);
+    keep_cache(renderer);
     for (uint32_t i = 0; result >= 0 && i < renderer->channel_count; i++) {
         result = plugin->engine->destroy_view(renderer->channels[i].view);
     }

@@ -8,6 +8,7 @@ shift 2
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 unset DISPLAY WAYLAND_DISPLAY
+export XDG_CACHE_HOME=$out/cache
 
 for scenario in "$scenarios"/*.json; do
     name=$(basename "$scenario" .json)
@@ -30,3 +31,17 @@ grep -q '"optical_depth"' "$out/probe.json"
 "$host" shadow "$scenarios/fair_weather.json" --at 5 --out "$out/shadow.exr" "$@" > "$out/shadow.json"
 grep -q '"extent_m"' "$out/shadow.json"
 [ -s "$out/shadow.exr" ]
+
+# The pipeline cache: kept; made anew when it is foreign; left out where it cannot be; no word about any of that.
+small=(play "$scenarios/fair_weather.json" --at 5 --settle 1 --size 16x16 --channels left --out "$out/small")
+cache=("$XDG_CACHE_HOME"/velum/*.pipelines)
+[ "${#cache[@]}" -eq 1 ]
+[ -s "${cache[0]}" ]
+printf 'foreign' > "${cache[0]}"
+[ -z "$("$host" "${small[@]}" "$@" 2>&1 >/dev/null)" ]
+[ "$(stat -c %s "${cache[0]}")" -gt 7 ]
+rm -r "$XDG_CACHE_HOME/velum"
+XDG_CACHE_HOME=/dev/null "$host" "${small[@]}" "$@" > "$out/log" 2>&1
+[ "$(wc -l < "$out/log")" -eq 1 ]
+"$host" "${small[@]}" --no-cache "$@"
+[ ! -e "$XDG_CACHE_HOME/velum" ]
