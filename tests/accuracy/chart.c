@@ -1,0 +1,6 @@
+#include "program.h"
+
+int chart_run(program *p) {
+    (void)p;
+    return 1;
+}

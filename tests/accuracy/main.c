@@ -1,0 +1,209 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "program.h"
+
+static int usage(int status) {
+    fprintf(status ? stderr : stdout,
+            "velum-accuracy list\n"
+            "velum-accuracy run [--scene S]... [--preset P]... [--method M] [--json]\n"
+            "velum-accuracy chart DIR [--scene S]... [--method M]\n"
+            "velum-accuracy stability [--scene CASE]...\n"
+            "  --size WxH      of pictures (160x90)\n"
+            "  --error E       a reference stops at this noise of means over 8 x 8 pixels (0.01)...\n"
+            "  --seconds N     ... or after so long (60)\n"
+            "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
+            "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
+            "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
+            "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done.\n");
+    return status;
+}
+
+static void list(void) {
+    printf("scenes\n");
+    for (const scene_row *row = scene_rows; row->name; row++) {
+        printf("  %-22s %s%s\n", row->name, row->about, row->sweep ? " (methods)" : "");
+    }
+    printf("presets\n  low\n  medium\n  high\n  ultra\nmethods: group, curve, values\n");
+    for (const method_row *row = method_rows; row->group; row++) {
+        printf("  %-12s %-26s", row->group, row->name);
+        for (uint32_t i = 0; i < row->count; i++) {
+            printf(" %g", row->values[i]);
+        }
+        printf(" %s\n", row->unit);
+    }
+}
+
+static bool parse_number(const char *text, double least, double most, double *out) {
+    char *end = NULL;
+    *out = strtod(text, &end);
+    if (end == text || *end != '\0' || !(*out >= least && *out <= most)) {
+        fprintf(stderr, "velum-accuracy: found '%s', expected %g..%g\n", text, least, most);
+        return false;
+    }
+    return true;
+}
+
+static bool parse_preset(program *p, const char *text) {
+    for (int32_t q = VELUM_QUALITY_LOW; q <= VELUM_QUALITY_ULTRA; q++) {
+        if (strcmp(text, measure_preset(q)) == 0 && p->preset_count < 8) {
+            p->presets[p->preset_count++] = q;
+            return true;
+        }
+    }
+    fprintf(stderr, "velum-accuracy: found preset '%s', expected low, medium, high or ultra\n", text);
+    return false;
+}
+
+static bool parse_size(program *p, const char *text) {
+    unsigned width = 0, height = 0;
+    char rest = '\0';
+    if (sscanf(text, "%ux%u%c", &width, &height, &rest) != 2 || width < 1 || width > 4096 || height < 1 ||
+        height > 4096) {
+        fprintf(stderr, "velum-accuracy: found size '%s', expected WxH\n", text);
+        return false;
+    }
+    p->reference.width = width;
+    p->reference.height = height;
+    return true;
+}
+
+static bool parse_device(const char *text, int32_t *out) {
+    double index;
+    if (strcmp(text, "auto") == 0) {
+        *out = VELUM_DEVICE_AUTO;
+    } else if (strcmp(text, "cpu") == 0) {
+        *out = VELUM_DEVICE_CPU;
+    } else if (parse_number(text, 0.0, 63.0, &index)) {
+        *out = (int32_t)index;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+static bool parse_option(program *p, const char *name, const char *value, bool cases, int32_t *device) {
+    double number;
+    if (strcmp(name, "--scene") == 0) {
+        if (p->scene_count == PROGRAM_NAMES || (!cases && !scene_find(value))) {
+            fprintf(stderr, "velum-accuracy: found scene '%s', expected one of `velum-accuracy list`\n", value);
+            return false;
+        }
+        p->scenes[p->scene_count++] = value;
+        return true;
+    }
+    if (strcmp(name, "--method") == 0) {
+        bool known = strcmp(value, "all") == 0;
+        for (const method_row *row = method_rows; row->group; row++) {
+            known = known || method_matches(row, value);
+        }
+        if (!known) {
+            fprintf(stderr, "velum-accuracy: found method '%s', expected one of `velum-accuracy list`\n", value);
+        }
+        p->method = value;
+        return known;
+    }
+    if (strcmp(name, "--error") == 0 && parse_number(value, 1e-6, 1.0, &number)) {
+        p->reference.error = number;
+        return true;
+    }
+    if (strcmp(name, "--seconds") == 0 && parse_number(value, 0.0, 1e6, &number)) {
+        p->reference.seconds = number;
+        return true;
+    }
+    if (strcmp(name, "--cache") == 0) {
+        p->reference.cache = value;
+        return true;
+    }
+    if (strcmp(name, "--plugin") == 0 || strcmp(name, "--shared") == 0) {
+        return setenv(strcmp(name, "--plugin") == 0 ? "VELUM_PLUGIN" : "VELUM_SHARED", value, 1) == 0;
+    }
+    if (strcmp(name, "--preset") == 0) {
+        return parse_preset(p, value);
+    }
+    if (strcmp(name, "--size") == 0) {
+        return parse_size(p, value);
+    }
+    if (strcmp(name, "--device") == 0) {
+        return parse_device(value, device);
+    }
+    usage(2);
+    return false;
+}
+
+/* accuracy-cache beside the program. */
+static const char *default_cache(char path[1024]) {
+    const char *named = getenv("VELUM_ACCURACY_CACHE");
+    ssize_t length = readlink("/proc/self/exe", path, 1000);
+    char *slash = NULL;
+    if (!named && length > 0) {
+        path[length] = '\0';
+        slash = strrchr(path, '/');
+    }
+    if (slash) {
+        strcpy(slash, "/accuracy-cache");
+    }
+    return named ? named : slash ? path : "accuracy-cache";
+}
+
+static int run_all(program *p) {
+    bool presets = !p->method || p->preset_count > 0;
+    if (p->preset_count == 0) {
+        for (int32_t q = VELUM_QUALITY_LOW; q <= VELUM_QUALITY_ULTRA; q++) {
+            p->presets[p->preset_count++] = q;
+        }
+    }
+    for (const scene_row *row = scene_rows; row->name; row++) {
+        bool chosen = p->scene_count > 0 || !p->method || row->sweep;
+        if (chosen && program_wants(p, row)) {
+            program_run_scene(p, row, presets);
+        }
+    }
+    return p->failed ? 1 : 0;
+}
+
+int main(int argc, char **argv) {
+    static const char *const commands[] = {"list", "run", "chart", "stability"};
+    char cache[1024];
+    int command = -1, at = 2, status = 1;
+    int32_t device = VELUM_DEVICE_AUTO;
+    program p = {.reference = {.error = 0.01, .seconds = 60.0, .width = 160, .height = 90}};
+    p.reference.cache = default_cache(cache);
+    for (int i = 0; i < 4 && argc > 1; i++) {
+        command = strcmp(argv[1], commands[i]) == 0 ? i : command;
+    }
+    if (command < 0) {
+        return usage(argc > 1 && strcmp(argv[1], "--help") == 0 ? 0 : 2);
+    }
+    if (command == 2 && (argc < 3 || argv[at][0] == '-')) {
+        return usage(2);
+    }
+    p.folder = command == 2 ? argv[at++] : NULL;
+    while (at < argc) {
+        if (strcmp(argv[at], "--json") == 0) {
+            p.json = true;
+            at++;
+        } else if (at + 1 < argc && parse_option(&p, argv[at], argv[at + 1], command == 3, &device)) {
+            at += 2;
+        } else {
+            return at + 1 < argc ? 2 : usage(2);
+        }
+    }
+    if (command == 0) {
+        list();
+        return 0;
+    }
+    if (!stage_init(&p.s, device)) {
+        return 1;
+    }
+    status = command == 1 ? run_all(&p) : command == 2 ? chart_run(&p) : stability_run(&p);
+    if (p.skipped || p.failed) {
+        fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);
+    }
+    stage_finish(&p.s);
+    free(p.results);
+    return status;
+}

@@ -1,0 +1,118 @@
+#include "picture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "metric.h"
+#include "sample_host/png.h"
+#include "sample_host/shaders/tone_map.h"
+
+bool picture_init(picture *p, uint32_t width, uint32_t height) {
+    size_t count = (size_t)width * height;
+    *p = (picture){.width = width, .height = height, .count = (uint32_t)count};
+    p->rgb = calloc(count * 3, sizeof(float));
+    p->transmittance = calloc(count * 3, sizeof(float));
+    p->distance = calloc(count, sizeof(float));
+    p->luminance = calloc(count, sizeof(float));
+    p->variance = calloc(count, sizeof(float));
+    if (!p->rgb || !p->transmittance || !p->distance || !p->luminance || !p->variance) {
+        fprintf(stderr, "velum-accuracy: out of memory\n");
+        picture_finish(p);
+        return false;
+    }
+    return true;
+}
+
+void picture_finish(picture *p) {
+    free(p->rgb);
+    free(p->transmittance);
+    free(p->distance);
+    free(p->luminance);
+    free(p->variance);
+    *p = (picture){0};
+}
+
+void picture_update_luminance(picture *p) {
+    for (uint32_t i = 0; i < p->count; i++) {
+        p->luminance[i] = (float)metric_luminance(&p->rgb[3 * i]);
+    }
+}
+
+uint32_t picture_invalid(const picture *p) {
+    uint32_t invalid = 0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        bool ok = isfinite(p->distance[i]) && p->distance[i] >= 0.0f;
+        for (uint32_t c = 3 * i; c < 3 * i + 3; c++) {
+            ok = ok && isfinite(p->rgb[c]) && p->rgb[c] >= 0.0f;
+            ok = ok && p->transmittance[c] >= 0.0f && p->transmittance[c] <= 1.0f;
+        }
+        invalid += ok ? 0 : 1;
+    }
+    return invalid;
+}
+
+static int ascending(const void *a, const void *b) {
+    float x = *(const float *)a;
+    float y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+double picture_exposure(const picture *p) {
+    float *sorted = malloc((p->count + 1u) * sizeof *sorted);
+    double at = 0.0;
+    if (sorted && p->count > 0) {
+        memcpy(sorted, p->luminance, p->count * sizeof *sorted);
+        qsort(sorted, p->count, sizeof *sorted, ascending);
+        at = (double)sorted[(uint32_t)(0.98 * (p->count - 1))];
+    }
+    free(sorted);
+    return at > 0.0 && isfinite(at) ? 3.0 / at : 1.0; /* tone_map() brings 3 near white */
+}
+
+static uint8_t byte_of(double value) {
+    return (uint8_t)lround(255.0 * fmin(fmax(value, 0.0), 1.0));
+}
+
+bool picture_write_png(const picture *p, double exposure_m2_cd, const char *path) {
+    uint8_t *bytes = malloc((size_t)p->count * 3 + 1);
+    if (!bytes) {
+        return false;
+    }
+    for (uint32_t i = 0; i < p->count; i++) {
+        float rgb[3];
+        for (int c = 0; c < 3; c++) {
+            float value = p->rgb[3 * i + (uint32_t)c];
+            rgb[c] = isfinite(value) ? value * (float)exposure_m2_cd : 0.0f;
+        }
+        for (int c = 0; c < 3; c++) {
+            bytes[3 * i + (uint32_t)c] = byte_of((double)tone_map(rgb[0], rgb[1], rgb[2], c));
+        }
+    }
+    bool ok = png_write(path, p->width, p->height, 3, bytes);
+    free(bytes);
+    return ok;
+}
+
+bool picture_write_difference_png(const picture *p, const picture *reference, double range, const char *path) {
+    uint8_t *bytes = malloc((size_t)p->count * 3 + 1);
+    if (!bytes) {
+        return false;
+    }
+    double mean = 0.0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        mean += (double)reference->luminance[i] / p->count;
+    }
+    for (uint32_t i = 0; i < p->count; i++) {
+        double r = (double)reference->luminance[i];
+        double e = ((double)p->luminance[i] - r) / fmax(fmax(r, 0.01 * mean), 1e-30) / range;
+        double fade = 1.0 - fmin(fabs(e), 1.0);
+        bytes[3 * i] = byte_of(e > 0.0 ? 1.0 : fade);
+        bytes[3 * i + 1] = byte_of(fade);
+        bytes[3 * i + 2] = byte_of(e < 0.0 ? 1.0 : fade);
+    }
+    bool ok = png_write(path, p->width, p->height, 3, bytes);
+    free(bytes);
+    return ok;
+}

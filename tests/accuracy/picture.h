@@ -1,0 +1,31 @@
+/* Pixels in host memory, and their files. */
+#ifndef ACCURACY_PICTURE_H
+#define ACCURACY_PICTURE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct picture {
+    uint32_t width, height, count;
+    float *rgb, *transmittance; /* count * 3 */
+    float *distance;            /* count */
+    float *luminance;           /* count, from rgb */
+    float *variance;            /* count: of the luminance; 0 where nobody says */
+} picture;
+
+/* False, having said so: out of memory. */
+bool picture_init(picture *p, uint32_t width, uint32_t height);
+void picture_finish(picture *p);
+void picture_update_luminance(picture *p);
+/* Pixels (of rgb, transmittance, distance) that are NaN, infinite or negative, or whose transmittance exceeds 1. */
+uint32_t picture_invalid(const picture *p);
+
+/* exposure_m2_cd: what makes a luminance 1. */
+bool picture_write_png(const picture *p, double exposure_m2_cd, const char *path);
+/* (p - r) / max(r, 1 % of the mean): red where p is brighter, blue where darker, white where equal; full colour at
+ * `range`. */
+bool picture_write_difference_png(const picture *p, const picture *reference, double range, const char *path);
+/* 1 over about the luminance of what is brightest, 98th percentile. */
+double picture_exposure(const picture *p);
+
+#endif

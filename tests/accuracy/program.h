@@ -1,0 +1,40 @@
+/* velum-accuracy: what its commands share. */
+#ifndef ACCURACY_PROGRAM_H
+#define ACCURACY_PROGRAM_H
+
+#include "measure.h"
+
+enum { PROGRAM_NAMES = 32 };
+
+typedef struct program program;
+/* Told of every picture that was compared. */
+typedef bool (*program_picture_fn)(program *p, const measurement *m, const picture *found, const reference *r);
+
+struct program {
+    stage s;
+    reference_options reference;
+    const char *scenes[PROGRAM_NAMES]; /* none: all */
+    uint32_t scene_count;
+    int32_t presets[8]; /* none: all */
+    uint32_t preset_count;
+    const char *method; /* null: presets alone; "all", a group, a curve's name */
+    bool json;
+    const char *folder; /* of chart and tables */
+    program_picture_fn on_picture;
+    measurement *results;
+    uint32_t result_count, result_capacity;
+    uint32_t skipped, failed;
+};
+
+bool program_wants(const program *p, const scene_row *scene);
+/* Presets (if `presets`) and methods that match p->method on one scene; into p->results. */
+void program_run_scene(program *p, const scene_row *scene, bool presets);
+
+/* chart.c: measures all presets on all scenes and all methods on those marked for it; SVG, PNG, tables, a page. */
+int chart_run(program *p);
+/* tables.c: published figures beside p->results, as ratios to each one's own base. */
+void tables_write(const program *p, FILE *file);
+/* stability.c: 0, or 1 if a bound is broken. */
+int stability_run(program *p);
+
+#endif
