@@ -191,7 +191,12 @@ static bool choose(struct device *device, const struct plugin *plugin, const str
         return false;
     }
     if (info->device >= 0 && (uint32_t)info->device >= count) {
-        report_error("--device %d: there are %u devices, counted from 0", (int)info->device, count);
+        if (count > 1) {
+            report_error("--device: found %d, expected 0 to %u, or auto or cpu", (int)info->device, count - 1);
+        } else {
+            report_error("--device: found %d, expected %s", (int)info->device,
+                         count ? "0, auto or cpu: there is one device" : "auto: there is no Vulkan device");
+        }
         return false;
     }
     for (uint32_t i = 0; i < count; i++) {

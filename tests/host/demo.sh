@@ -41,7 +41,7 @@ printf 'foreign' > "${cache[0]}"
 [ -z "$("$host" "${small[@]}" "$@" 2>&1 >/dev/null)" ]
 [ "$(stat -c %s "${cache[0]}")" -gt 7 ]
 rm -r "$XDG_CACHE_HOME/velum"
-XDG_CACHE_HOME=/dev/null "$host" "${small[@]}" "$@" > "$out/log" 2>&1
+MESA_SHADER_CACHE_DISABLE=1 XDG_CACHE_HOME=/dev/null "$host" "${small[@]}" "$@" > "$out/log" 2>&1
 [ "$(wc -l < "$out/log")" -eq 1 ]
 "$host" "${small[@]}" --no-cache "$@"
 [ ! -e "$XDG_CACHE_HOME/velum" ]
