@@ -29,14 +29,14 @@ enum {
     V1_VIEW_FRAME = 168,
     V1_SHADOW_FRAME = 32,
     V1_SHADOW_GEOMETRY = 152,
-    V1_VIEW_STATS = 80,
+    V1_VIEW_STATS = 88,
     V1_PLAN = 48,
     V1_VULKAN_REQUIREMENTS = 64,
     V1_VULKAN_LEND = 112,
-    V1_VULKAN_IMAGES = 64,
+    V1_VULKAN_IMAGES = 72,
     V1_VULKAN_SHADOW = 40,
     V1_STANDALONE_DESC = 40,
-    V1_PIXELS = 64
+    V1_PIXELS = 72
 };
 
 /* One call on one object; `result` is what the first failed check found. */

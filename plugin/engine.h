@@ -43,18 +43,25 @@ typedef enum pass {
     PASS_RESOLVE_LAYERED_GROUND,
     PASS_SHADOW,
     PASS_SHADOW_MIXED,
+    PASS_REFERENCE, /* from here on made with the first eye that wants them */
+    PASS_REFERENCE_MIXED,
+    PASS_REFERENCE_RESOLVE,
+    PASS_REFERENCE_RESOLVE_LAYERED,
+    PASS_REFERENCE_ERROR,
     PASS_COUNT
 } pass;
 
 typedef struct pipelines {
-    VkDescriptorSetLayout set_engine, set_view, set_shadow;
-    VkPipelineLayout layout_engine, layout_view, layout_shadow;
+    VkDescriptorSetLayout set_engine, set_view, set_shadow, set_reference;
+    VkPipelineLayout layout_engine, layout_view, layout_shadow, layout_reference;
     VkPipeline pipeline[PASS_COUNT];
     VkPipelineCache cache;
     VkSampler linear, repeat, nearest;
 } pipelines;
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size);
+/* [control] The reference's, if they are not there yet. */
+velum_result pipelines_add_reference(pipelines *p, gpu *g);
 void pipelines_finish(pipelines *p, gpu *g);
 /* As get_pipeline_cache. */
 velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size);
@@ -64,6 +71,7 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which);
 typedef struct frame_record {
     view *v;        /* null: destroyed since */
     uint32_t query; /* first of three; FRAME_QUERIES: none */
+    uint32_t paths; /* of the reference that were begun */
     velum_view_stats stats;
 } frame_record;
 
@@ -119,6 +127,7 @@ struct engine {
     float glow_albedo[3];
     shadow *newest_shadow; /* drawn last */
     shadow *bound_shadow;  /* that this frame's views see; null: none */
+    gpu_buffer noise_most; /* of the reference (shared/reference.h), once an eye wants it */
 
     uint32_t eye_count, shadow_count;
     eye *eyes;      /* alive */
@@ -156,6 +165,25 @@ struct eye {
     char reasons[1024];
 };
 
+/* What a picture of the reference depends on. */
+typedef struct reference_key {
+    velum_eye_block eye;
+    velum_view_block view; /* what of it does not change from slice to slice */
+    uint64_t state[2], tables;
+} reference_key;
+
+/* A view's accumulation. */
+typedef struct reference {
+    gpu_buffer paths, pixels, error;
+    uint32_t path_room; /* paths of a slice at most */
+    uint32_t budget;    /* paths that a submission has time for */
+    uint32_t turn;      /* of the pixels (shared/reference.h): first of the next slice */
+    uint32_t done;      /* paths that each pixel has had */
+    uint32_t paths_now; /* for each pixel in this round */
+    bool has_error;
+    reference_key *key; /* null: nothing yet */
+} reference;
+
 /* A camera as the frame after it needs it. */
 typedef struct camera {
     double position[3], right[3], up[3], forward[3];
@@ -186,6 +214,7 @@ struct view {
     velum_view_stats stats;
     bool has_stats;
     uint64_t bytes;
+    reference reference;
 };
 
 struct shadow {
@@ -249,6 +278,14 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
                            uint32_t stride);
 velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
                          const velum_vulkan_images *images);
+/* record_reference.c: views of eyes of VELUM_QUALITY_REFERENCE. */
+velum_result reference_enable(engine *e);
+bool reference_init(view *v);
+void reference_finish(gpu *g, view *v);
+velum_result record_reference(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
+                              const velum_vulkan_images *images, velum_view_block *block, bool cut);
+/* Takes in how long a slice took; 0: unknown. */
+void reference_learn(view *v, uint32_t paths, float ms);
 velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame);
 /* Uploads staged by `context` since, between barriers. */
 void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *context);

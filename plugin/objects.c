@@ -31,6 +31,7 @@ static void free_view(engine *e, view *v) {
     gpu *g = &e->g;
     gpu_image_finish(g, &v->march_light);
     gpu_image_finish(g, &v->march_distance);
+    reference_finish(g, v);
     for (uint32_t i = 0; i < 2; i++) {
         gpu_image_finish(g, &v->history[i]);
         gpu_image_finish(g, &v->history_data[i]);
@@ -92,8 +93,10 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
         return check.result;
     }
     if (d.quality == VELUM_QUALITY_REFERENCE) {
-        check_fail(&check, VELUM_ERROR_UNSUPPORTED, "desc.quality: VELUM_QUALITY_REFERENCE is not there yet");
-        return check.result;
+        velum_result result = reference_enable(e);
+        if (result < 0) {
+            return result;
+        }
     }
     eye *y = calloc(1, sizeof *y);
     if (!y) {
@@ -149,6 +152,9 @@ static uint64_t bytes_of(const gpu_image *image) {
 
 static bool init_view_images(view *v) {
     gpu *g = &v->eye->e->g;
+    if (v->eye->quality == VELUM_QUALITY_REFERENCE) {
+        return reference_init(v);
+    }
     /* Rays of one in 16 pixels; a plan that asks for more makes these images grow (record_view.c). */
     uint32_t w = (v->width + PATH_BLOCK - 1) / PATH_BLOCK;
     uint32_t h = (v->height + PATH_BLOCK - 1) / PATH_BLOCK;

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/tile_bounds.h"
+
 void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
     VkDeviceSize start = (s->used + 63u) & ~(VkDeviceSize)63u;
     if (start > s->buffer.size || s->buffer.size - start < size) {
@@ -44,6 +46,8 @@ void pages_finish(pages *p, gpu *g) {
     free(p->buckets);
     free(p->copies_a);
     free(p->copies_b);
+    free(p->copies_bounds);
+    gpu_buffer_finish(g, &p->bounds);
     *p = (pages){0};
 }
 
@@ -123,6 +127,28 @@ static VkBufferImageCopy copy_of(VkDeviceSize offset, uint32_t layer) {
                                .imageExtent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1}};
 }
 
+bool pages_want_bounds(pages *p, gpu *g) {
+    if (p->has_bounds) {
+        return true;
+    }
+    p->copies_bounds = calloc(p->copy_capacity, sizeof *p->copies_bounds);
+    if (!p->copies_bounds) {
+        g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
+        return false;
+    }
+    if (!gpu_buffer_init(g, &p->bounds, p->capacity * sizeof(velum_page_bounds),
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_DEVICE)) {
+        free(p->copies_bounds);
+        p->copies_bounds = NULL;
+        return false;
+    }
+    for (uint32_t i = 0; i < p->capacity; i++) {
+        evict(p, i);
+    }
+    p->has_bounds = true;
+    return true;
+}
+
 uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uint64_t *contents) {
     *contents = name_of(p, tile, slot)->contents;
     uint32_t *bucket = bucket_of(p, *contents);
@@ -146,12 +172,19 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
         s->used + s->reserve + 2 * CORE_TILE_PAGE_BYTES > s->buffer.size) {
         return VELUM_PAGE_NONE;
     }
-    char *bytes = stage_take(s, 2 * CORE_TILE_PAGE_BYTES, &offset);
+    const VkDeviceSize texels = 2 * CORE_TILE_PAGE_BYTES;
+    char *bytes = stage_take(s, texels + (p->has_bounds ? sizeof(velum_page_bounds) : 0), &offset);
     if (!bytes) {
         return VELUM_PAGE_NONE;
     }
     memcpy(bytes, tile->slot[slot].a, CORE_TILE_PAGE_BYTES);
     memcpy(bytes + CORE_TILE_PAGE_BYTES, tile->slot[slot].b, CORE_TILE_PAGE_BYTES);
+    if (p->has_bounds) {
+        velum_page_bounds bounds;
+        core_tile_bounds(tile, slot, &bounds);
+        memcpy(bytes + texels, &bounds, sizeof bounds);
+        p->copies_bounds[p->copy_count] = (VkBufferCopy){offset + texels, oldest * sizeof bounds, sizeof bounds};
+    }
     evict(p, oldest);
     p->page[oldest] = (page_entry){.contents = *contents, .next = *bucket};
     *bucket = oldest + 1;
@@ -167,6 +200,9 @@ void pages_record(pages *p, gpu *g, VkCommandBuffer commands, VkBuffer staged) {
     if (p->copy_count > 0) {
         g->CmdCopyBufferToImage(commands, staged, p->a.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_a);
         g->CmdCopyBufferToImage(commands, staged, p->b.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_b);
+        if (p->has_bounds) {
+            g->CmdCopyBuffer(commands, staged, p->bounds.buffer, p->copy_count, p->copies_bounds);
+        }
     }
     p->copy_count = 0;
 }

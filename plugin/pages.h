@@ -42,11 +42,16 @@ typedef struct pages {
     uint32_t *buckets;                      /* page + 1 */
     VkBufferImageCopy *copies_a, *copies_b; /* of this record call */
     uint32_t copy_count, copy_capacity;
+    gpu_buffer bounds; /* velum_page_bounds of each page, once pages_want_bounds was called */
+    VkBufferCopy *copies_bounds;
+    bool has_bounds;
 } pages;
 
 bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes);
 void pages_finish(pages *p, gpu *g);
 void pages_begin_frame(pages *p);
+/* From now on pages come with bounds for the reference; those that are there come anew. False: no memory. */
+bool pages_want_bounds(pages *p, gpu *g);
 
 /* Keeps a page for this frame; false if it no longer holds those contents. */
 bool pages_keep(pages *p, uint32_t index, uint64_t contents);

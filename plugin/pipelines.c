@@ -7,6 +7,10 @@
 #include "air.spv.h"
 #include "glow.spv.h"
 #include "march.spv.h"
+#include "reference.spv.h"
+#include "reference_error.spv.h"
+#include "reference_resolve.spv.h"
+#include "reference_resolve_layered.spv.h"
 #include "resolve.spv.h"
 #include "resolve_layered.spv.h"
 #include "shadow.spv.h"
@@ -121,6 +125,11 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     case PASS_RESOLVE_LAYERED_GROUND: return p->layout_view;
     case PASS_SHADOW:
     case PASS_SHADOW_MIXED: return p->layout_shadow;
+    case PASS_REFERENCE:
+    case PASS_REFERENCE_MIXED:
+    case PASS_REFERENCE_RESOLVE:
+    case PASS_REFERENCE_RESOLVE_LAYERED:
+    case PASS_REFERENCE_ERROR: return p->layout_reference;
     default: return p->layout_engine;
     }
 }
@@ -140,10 +149,16 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
         [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
         [PASS_RESOLVE_LAYERED_GROUND] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
         [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
-        [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv}};
+        [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv},
+        [PASS_REFERENCE] = {velum_reference_spv, sizeof velum_reference_spv},
+        [PASS_REFERENCE_MIXED] = {velum_reference_spv, sizeof velum_reference_spv},
+        [PASS_REFERENCE_RESOLVE] = {velum_reference_resolve_spv, sizeof velum_reference_resolve_spv},
+        [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
+                                            sizeof velum_reference_resolve_layered_spv},
+        [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
     /* Constant 0 of weather.glsl and of resolve.comp. */
     const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
-                          which == PASS_RESOLVE_LAYERED_GROUND;
+                          which == PASS_RESOLVE_LAYERED_GROUND || which == PASS_REFERENCE_MIXED;
     const VkSpecializationMapEntry constant = {0, 0, sizeof more};
     const VkSpecializationInfo constants = {1, &constant, sizeof more, &more};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -189,7 +204,7 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->linear) &&
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
-    for (uint32_t i = 0; ok && i < PASS_COUNT; i++) {
+    for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
         ok = create_pipeline(p, g, (pass)i);
     }
     if (!ok) {
@@ -197,6 +212,19 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
         return gpu_result(g);
     }
     return VELUM_OK;
+}
+
+velum_result pipelines_add_reference(pipelines *p, gpu *g) {
+    /* By the numbers of shared/reference.h and of VELUM_BIND_*: view, paths, pixels, bounds, noise, variance, error;
+     * two that nothing uses; luminance, transmittance, distance, depth, counters. */
+    static const int types[VELUM_BIND_VIEW_COUNT] = {U, B, B, B, B, I, B, B, B, I, I, I, T, B};
+    bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_VIEW_COUNT, &p->set_reference);
+    const VkDescriptorSetLayout sets[2] = {p->set_engine, p->set_reference};
+    ok = ok && (p->layout_reference || create_layout(g, sets, 2, &p->layout_reference));
+    for (uint32_t i = PASS_REFERENCE; ok && i < PASS_COUNT; i++) {
+        ok = p->pipeline[i] || create_pipeline(p, g, (pass)i);
+    }
+    return ok ? VELUM_OK : gpu_result(g);
 }
 
 void pipelines_finish(pipelines *p, gpu *g) {
@@ -212,6 +240,8 @@ void pipelines_finish(pipelines *p, gpu *g) {
     g->DestroyPipelineLayout(g->device, p->layout_engine, NULL);
     g->DestroyPipelineLayout(g->device, p->layout_view, NULL);
     g->DestroyPipelineLayout(g->device, p->layout_shadow, NULL);
+    g->DestroyPipelineLayout(g->device, p->layout_reference, NULL);
+    g->DestroyDescriptorSetLayout(g->device, p->set_reference, NULL);
     g->DestroyDescriptorSetLayout(g->device, p->set_engine, NULL);
     g->DestroyDescriptorSetLayout(g->device, p->set_view, NULL);
     g->DestroyDescriptorSetLayout(g->device, p->set_shadow, NULL);

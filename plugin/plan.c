@@ -16,7 +16,9 @@ typedef struct preset {
 static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f},
                                  [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f},
                                  [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f},
-                                 [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f}};
+                                 [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f},
+                                 /* Its octaves are the greatest order of scattering; 0: all. */
+                                 [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f}};
 
 static void reason(eye *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void reason(eye *y, const char *format, ...) {
@@ -92,7 +94,8 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         !check_flags(&check, "plan.active_layers", p.active_layers, (1u << VELUM_SLOT_COUNT) - 1u) ||
         !check_count(&check, "plan.march_steps", p.march_steps, 1, 4096) ||
         !check_count(&check, "plan.light_steps", p.light_steps, 1, 64) ||
-        !check_count(&check, "plan.octaves", p.octaves, 1, 8) ||
+        !check_count(&check, "plan.octaves", p.octaves, y->quality == VELUM_QUALITY_REFERENCE ? 0 : 1,
+                     y->quality == VELUM_QUALITY_REFERENCE ? 1000000 : 8) ||
         !check_count(&check, "plan.blending", p.blending, 0, 1) ||
         !check_range(&check, "plan.step_m", (double)p.step_m, 1.0, 10000.0) ||
         !check_range(&check, "plan.step_growth", (double)p.step_growth, 0.0, 0.5) ||

@@ -58,7 +58,7 @@ static bool check_frustum(checker *check, const velum_view_frame *f) {
 
 static bool check_view_frame(checker *check, const view *v, velum_view_frame *f) {
     const uint32_t known = VELUM_VIEW_CUT | VELUM_VIEW_ORTHOGRAPHIC | VELUM_VIEW_GROUND | VELUM_VIEW_SUN_DISC;
-    if (!check_flags(check, "frame.flags", f->flags, known) || !check_zero(check, "frame.reserved", f->reserved) ||
+    if (!check_flags(check, "frame.flags", f->flags, known) ||
         !check_position(check, "frame.position_ecef_m", f->position_ecef_m) || !check_axes(check, f) ||
         !check_frustum(check, f) ||
         !check_range(check, "frame.depth_convention", f->depth_convention, VELUM_DEPTH_REVERSED_INFINITE,
@@ -415,6 +415,12 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     if (slot->record_count == FRAME_RECORDS) {
         check_fail(&check, VELUM_ERROR_OUT_OF_MEMORY, "more than %u views in a frame", FRAME_RECORDS);
         return check.result;
+    }
+    if (y->quality == VELUM_QUALITY_REFERENCE) {
+        camera here = camera_of(e, &f);
+        velum_view_block own;
+        fill_view(v, &f, &im, &here, true, &own);
+        return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
     if (!grow_march(v, side)) {
         return gpu_result(&e->g);

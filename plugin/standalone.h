@@ -25,8 +25,8 @@
 /* Images of one view of a call, and where their pixels are read back. */
 typedef struct target {
     uint32_t width, height;
-    gpu_image luminance, transmittance, distance, depth;
-    gpu_buffer pixels; /* luminance, transmittance, distance; before: depth */
+    gpu_image luminance, transmittance, distance, variance, depth;
+    gpu_buffer pixels; /* luminance, transmittance, distance, variance; before: depth */
 } target;
 
 typedef struct standalone {

@@ -14,6 +14,7 @@ static void finish_target(standalone *s, target *t) {
     gpu_image_finish(g, &t->luminance);
     gpu_image_finish(g, &t->transmittance);
     gpu_image_finish(g, &t->distance);
+    gpu_image_finish(g, &t->variance);
     gpu_image_finish(g, &t->depth);
     gpu_buffer_finish(g, &t->pixels);
     *t = (target){0};
@@ -31,7 +32,7 @@ void standalone_release(void *owner) {
 }
 
 static VkDeviceSize pixels_at(const target *t, uint32_t part) {
-    static const VkDeviceSize before[4] = {0, 16, 32, 36};
+    static const VkDeviceSize before[5] = {0, 16, 32, 36, 40};
     return before[part] * t->width * t->height;
 }
 
@@ -51,10 +52,10 @@ static bool init_target(standalone *s, target *t, uint32_t width, uint32_t heigh
                            .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
     bool ok = gpu_image_init(g, &t->luminance, &desc) && gpu_image_init(g, &t->transmittance, &desc);
     desc.format = VK_FORMAT_R32_SFLOAT;
-    ok = ok && gpu_image_init(g, &t->distance, &desc);
+    ok = ok && gpu_image_init(g, &t->distance, &desc) && gpu_image_init(g, &t->variance, &desc);
     desc.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     ok = ok && gpu_image_init(g, &t->depth, &desc) &&
-         gpu_buffer_init(g, &t->pixels, pixels_at(t, 3) + 4ull * width * height,
+         gpu_buffer_init(g, &t->pixels, pixels_at(t, 4) + 4ull * width * height,
                          VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_READBACK);
     if (!ok) {
         finish_target(s, t);
@@ -139,7 +140,7 @@ static velum_result open_frame(standalone *s, const velum_frame_info *frame, con
 
 static void upload_depth(standalone *s, target *t, const float *depth) {
     gpu *g = &s->e->g;
-    VkDeviceSize at = pixels_at(t, 3);
+    VkDeviceSize at = pixels_at(t, 4);
     memcpy((char *)t->pixels.mapped + at, depth, 4ull * t->width * t->height);
     gpu_image_make_general(g, s->commands, &t->depth);
     VkBufferImageCopy copy = {
@@ -158,8 +159,8 @@ static void download(standalone *s, const gpu_image *image, VkBuffer to, VkDevic
 
 static velum_result record_pixels(standalone *s, target *t, const velum_pixels *p, view *v, velum_view_frame *f) {
     gpu *g = &s->e->g;
-    gpu_image *images[] = {&t->luminance, &t->transmittance, &t->distance};
-    for (size_t i = 0; i < 3; i++) {
+    gpu_image *images[] = {&t->luminance, &t->transmittance, &t->distance, &t->variance};
+    for (size_t i = 0; i < 4; i++) {
         gpu_image_make_general(g, s->commands, images[i]);
     }
     if (p->depth) {
@@ -169,6 +170,7 @@ static velum_result record_pixels(standalone *s, target *t, const velum_pixels *
                                       .luminance = t->luminance.view,
                                       .transmittance = t->transmittance.view,
                                       .distance = t->distance.view,
+                                      .variance = t->variance.view,
                                       .depth = p->depth ? t->depth.view : VK_NULL_HANDLE,
                                       .depth_layout = VK_IMAGE_LAYOUT_GENERAL,
                                       .format = VK_FORMAT_R32G32B32A32_SFLOAT,
@@ -180,7 +182,8 @@ static velum_result record_pixels(standalone *s, target *t, const velum_pixels *
     }
     gpu_barrier(g, s->commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT);
-    for (uint32_t i = 0; i < 3; i++) {
+    const uint32_t parts = v->eye->quality == VELUM_QUALITY_REFERENCE ? 4 : 3;
+    for (uint32_t i = 0; i < parts; i++) {
         download(s, images[i], t->pixels.buffer, pixels_at(t, i));
     }
     gpu_barrier(g, s->commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
@@ -188,7 +191,7 @@ static velum_result record_pixels(standalone *s, target *t, const velum_pixels *
     return result;
 }
 
-static void read_pixels(const target *t, const velum_pixels *p) {
+static void read_pixels(const target *t, const velum_pixels *p, bool has_variance) {
     const char *mapped = t->pixels.mapped;
     uint64_t count = (uint64_t)t->width * t->height;
     float *const rgb[2] = {p->luminance_rgb, p->transmittance_rgb};
@@ -200,6 +203,11 @@ static void read_pixels(const target *t, const velum_pixels *p) {
     }
     if (p->distance_m) {
         memcpy(p->distance_m, mapped + pixels_at(t, 2), 4 * count);
+    }
+    if (p->variance && has_variance) {
+        memcpy(p->variance, mapped + pixels_at(t, 3), 4 * count);
+    } else if (p->variance) {
+        memset(p->variance, 0, 4 * count);
     }
 }
 
@@ -281,7 +289,7 @@ velum_result standalone_render(standalone *s, const velum_frame_info *frame, con
     }
     result = finish(s, result < 0 ? result : worst);
     for (uint32_t i = 0; i < view_count && result >= 0; i++) {
-        read_pixels(&s->targets[i], &jobs[i].pixels);
+        read_pixels(&s->targets[i], &jobs[i].pixels, jobs[i].v->eye->quality == VELUM_QUALITY_REFERENCE);
     }
 done:
     e->inside = false;

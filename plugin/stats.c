@@ -1,6 +1,7 @@
 #include <string.h>
 
 #include "engine.h"
+#include "shared/reference.h"
 
 typedef struct timestamp {
     uint64_t ticks, available;
@@ -52,6 +53,15 @@ void stats_read(engine *e, frame_slot *slot) {
         stats->resolve_ms = span_ms(e, results, record->query + 1);
         stats->shared_ms = shared_ms;
         stats->shadow_ms = shadow_ms;
+        if (record->v->eye->quality == VELUM_QUALITY_REFERENCE) {
+            float error;
+            memcpy(&error,
+                   (const char *)slot->counters.mapped + (size_t)i * COUNTER_STRIDE +
+                       sizeof(uint32_t) * VELUM_COUNTER_WORDS,
+                   sizeof error);
+            stats->relative_error = error;
+            reference_learn(record->v, record->paths, stats->march_ms);
+        }
         record->v->has_stats = true;
     }
     slot->serial = 0;

@@ -257,6 +257,7 @@ static velum_result build_table(tiles *t, tiles_context *c) {
     free(index);
     t->words = words;
     t->entries = entries;
+    t->built++;
     return VELUM_OK;
 error:
     free(words);

@@ -28,6 +28,7 @@ typedef struct tiles {
     velum_result standing; /* VELUM_OK, VELUM_INCOMPLETE or VELUM_DEGRADED */
     uint32_t *words;       /* the table as the device has it */
     uint32_t entries;
+    uint64_t built; /* tables so far */
     uint32_t first_chunk, chunk_count;
     uint32_t mask;                                           /* slots with cloud */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */

@@ -94,8 +94,6 @@ static void objects_are_made_of_sound_descriptions(void **state) {
         f.eye_desc.quality = qualities[i];
         misuse_expect(&eye, VELUM_ERROR_ARGUMENT, "quality");
     }
-    f.eye_desc.quality = VELUM_QUALITY_REFERENCE;
-    misuse_expect(&eye, VELUM_ERROR_UNSUPPORTED, "");
     f.eye_desc.quality = VELUM_QUALITY_LOW;
     const float budgets[] = {1.0f, -1.0f, NAN, INFINITY};
     for (size_t i = 0; i < COUNT(budgets); i++) {

@@ -43,7 +43,6 @@ static const field_rule view_rules[] = {
     RULE_AS(velum_view_frame, jitter_y, "jitter", FIELD_F32, -1, 1),
     RULE(velum_view_frame, depth_convention, FIELD_I32, VELUM_DEPTH_REVERSED_INFINITE, VELUM_DEPTH_DISTANCE),
     RULE(velum_view_frame, luminance_scale, FIELD_F32, 0, INFINITY),
-    RULE_RESERVED(velum_view_frame, reserved, FIELD_U32),
 };
 
 static void frames_are_checked(void **state) {

@@ -21,7 +21,12 @@ enum {
     VELUM_QUALITY_MEDIUM = 2,
     VELUM_QUALITY_HIGH = 3,
     VELUM_QUALITY_ULTRA = 4,
-    VELUM_QUALITY_REFERENCE = 5 /* not yet: VELUM_ERROR_UNSUPPORTED */
+    /* An unbiased path tracer over the same weather, phase functions, air, ground and sun: what the presets are
+     * measured by. Each frame of a view adds paths to its pixels, as many as take about 30 ms, and gives the means so
+     * far; it begins anew when anything changes that the picture depends on (also with VELUM_EYE_RESET and
+     * VELUM_VIEW_CUT; not with the contents of a depth image). The same seed, camera and weather give the same picture
+     * for the same number of paths, however frames divide them. */
+    VELUM_QUALITY_REFERENCE = 5
 };
 
 enum { VELUM_ATMOSPHERE_EARTH = 0, VELUM_ATMOSPHERE_NONE = 1 };
@@ -104,7 +109,7 @@ typedef struct velum_view_frame {
     int32_t depth_convention; /* VELUM_DEPTH_*, of the host's depth image */
     float depth_near_m, depth_far_m;
     float luminance_scale; /* images hold luminance times this; > 0; 0: 1 */
-    uint32_t reserved;
+    uint32_t path_limit;   /* of the reference: paths that a pixel gets at most; 0: no limit. Others: no effect */
 } velum_view_frame;
 
 /* Where a shadow map is wanted. It is snapped to the world's own texels: the same centre gives the same map whatever
@@ -148,6 +153,10 @@ typedef struct velum_view_stats {
     float shadow_ms;
     uint64_t weather_bytes; /* device memory: tiles, noise, tables; shared by all views */
     uint64_t view_bytes;    /* device memory of this view */
+    /* Of the reference; else 0. */
+    uint32_t paths_per_pixel; /* fewest that any pixel has had */
+    float relative_error;     /* mean over the pixels of the standard error of their luminance, over the greater of it
+                                 and 1 % of the picture's mean, when all pixels had the same number last; 0: unknown */
 } velum_view_stats;
 
 /* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. */
@@ -158,7 +167,7 @@ typedef struct velum_plan {
     uint32_t march_steps;   /* along a ray, at most */
     uint32_t light_steps;   /* towards the sun */
     uint32_t ray_rate;      /* one ray for so many pixels: 1, 4 or 16 */
-    uint32_t octaves;       /* of multiple scattering; no effect yet */
+    uint32_t octaves;       /* of multiple scattering; no effect yet. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
     float step_m;           /* first step in cloud */
     float step_growth;      /* relative growth with distance */

@@ -37,6 +37,8 @@ typedef struct velum_pixels {
     float *distance_m;        /* width * height */
     const float *depth;       /* input, width * height, by frame->depth_convention; null: none */
     uint32_t width, height;   /* of the buffers: as the frame's sub-rectangle */
+    float *variance;          /* width * height: variance of the mean luminance Y, (cd/m2)^2, not scaled; zeros but from
+                                 VELUM_QUALITY_REFERENCE */
 } velum_pixels;
 
 typedef struct velum_standalone_api {

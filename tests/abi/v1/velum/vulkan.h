@@ -56,7 +56,7 @@ typedef struct velum_vulkan_lend {
  * mean transmittance in both. All in VK_IMAGE_LAYOUT_GENERAL at entry and exit, owned by queue_family, with earlier
  * use finished (VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, shader write, is the first use) and the writes made available by
  * a barrier of the host's after. The depth image is in VK_IMAGE_LAYOUT_GENERAL or SHADER_READ_ONLY_OPTIMAL, as
- * depth_layout says, and only read, by the compute stage. With layers 0 the three output views are 2D; with layers >= 1
+ * depth_layout says, and only read, by the compute stage. With layers 0 the output views are 2D; with layers >= 1
  * they are 2D arrays and array_layer of the view's frame selects (resolve_layered.spv.h serves them). */
 typedef struct velum_vulkan_images {
     uint32_t struct_size;
@@ -71,6 +71,8 @@ typedef struct velum_vulkan_images {
     uint32_t width, height; /* of the images */
     uint32_t layers;        /* 0: 2D views; else 2D array views of so many layers */
     uint32_t reserved;
+    VkImageView variance; /* VK_FORMAT_R32_SFLOAT, storage, as distance: variance of the mean luminance Y, (cd/m2)^2,
+                             not scaled; written by VELUM_QUALITY_REFERENCE alone; may be null */
 } velum_vulkan_images;
 
 /* The shadow map's image, for the host's descriptor: R16_UNORM or R16_SFLOAT transmittance of cloud between the world

@@ -1,0 +1,341 @@
+/* A view of the reference: a slice of paths, then all pixels as they stand. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "blocks.h"
+#include "shared/phase.h"
+#include "shared/reference.h"
+
+enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
+
+/* Of a submission; a slice may take half as long again. */
+#define SLICE_MS 30.0f
+/* Fewer flights about the sun are drawn than collisions, in clouds whose phase function has a narrow peak. */
+#define BRANCHES 0.5f
+#define NARROW_G 0.88f
+#define WORTH 0.1f
+
+static uint32_t wrap(int32_t i) {
+    return (uint32_t)i & (CORE_NOISE_SHAPE_SIDE - 1u);
+}
+
+/* Trilinear filtering of coordinates within a block reads its own texels and the next one on. */
+static void fill_noise(const core_noise *noise, float *out) {
+    const int32_t side = VELUM_NOISE_BLOCK;
+    for (uint32_t i = 0; i < VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS; i++) {
+        const int32_t x0 = (int32_t)(i % VELUM_NOISE_BLOCKS) * side;
+        const int32_t y0 = (int32_t)(i / VELUM_NOISE_BLOCKS % VELUM_NOISE_BLOCKS) * side;
+        const int32_t z0 = (int32_t)(i / VELUM_NOISE_BLOCKS / VELUM_NOISE_BLOCKS) * side;
+        uint8_t most = 0;
+        for (int32_t z = z0; z <= z0 + side; z++) {
+            for (int32_t y = y0; y <= y0 + side; y++) {
+                for (int32_t x = x0; x <= x0 + side; x++) {
+                    uint8_t value =
+                        noise->shape[(wrap(z) * CORE_NOISE_SHAPE_SIDE + wrap(y)) * CORE_NOISE_SHAPE_SIDE + wrap(x)];
+                    most = value > most ? value : most;
+                }
+            }
+        }
+        out[i] = (float)most / 255.0f;
+    }
+}
+
+velum_result reference_enable(engine *e) {
+    gpu *g = &e->g;
+    velum_result result = pipelines_add_reference(&e->passes, g);
+    if (result < 0) {
+        return result;
+    }
+    if (!e->noise_most.buffer) {
+        const VkDeviceSize bytes = sizeof(float) * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS;
+        if (!gpu_buffer_init(g, &e->noise_most, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GPU_MEMORY_UPLOAD)) {
+            return gpu_result(g);
+        }
+        fill_noise(world_noise(e->w), e->noise_most.mapped);
+    }
+    return pages_want_bounds(&e->pages, g) ? VELUM_OK : gpu_result(g);
+}
+
+static bool init_storage(gpu *g, gpu_buffer *buffer, VkDeviceSize bytes) {
+    return gpu_buffer_init(g, buffer, bytes,
+                           VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                               VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                           GPU_MEMORY_DEVICE);
+}
+
+bool reference_init(view *v) {
+    gpu *g = &v->eye->e->g;
+    reference *r = &v->reference;
+    const VkDeviceSize pixels = (VkDeviceSize)v->width * v->height * sizeof(velum_reference_pixel);
+    if (pixels > g->properties.limits.maxStorageBufferRange) {
+        log_write(g->sink, VELUM_LOG_ERROR, v->name,
+                  "create_view: the reference takes at most %u pixels on this device",
+                  (unsigned)(g->properties.limits.maxStorageBufferRange / sizeof(velum_reference_pixel)));
+        g->result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+        return false;
+    }
+    r->path_room = PATHS_MAX;
+    r->budget = PATHS_MIN;
+    if (!init_storage(g, &r->paths, r->path_room * sizeof(velum_reference_path)) ||
+        !init_storage(g, &r->pixels, pixels) || !init_storage(g, &r->error, 16)) {
+        return false;
+    }
+    v->bytes = r->paths.allocation.size + r->pixels.allocation.size + r->error.allocation.size;
+    return true;
+}
+
+void reference_finish(gpu *g, view *v) {
+    reference *r = &v->reference;
+    gpu_buffer_finish(g, &r->paths);
+    gpu_buffer_finish(g, &r->pixels);
+    gpu_buffer_finish(g, &r->error);
+    free(r->key);
+    r->key = NULL;
+}
+
+void reference_learn(view *v, uint32_t paths, float ms) {
+    reference *r = &v->reference;
+    if (paths == 0 || ms <= 0.0f) {
+        return;
+    }
+    float wanted = (float)paths * SLICE_MS / ms;
+    float most = 2.0f * (float)r->budget;
+    wanted = wanted < most ? wanted : most;
+    wanted = wanted < PATHS_MAX ? wanted : PATHS_MAX;
+    /* A short slice, at the end of a round, says little. */
+    if (paths >= r->budget / 2 || wanted < (float)r->budget) {
+        r->budget = wanted > PATHS_MIN ? (uint32_t)wanted : PATHS_MIN;
+    }
+}
+
+/* Narrowest forward peak among what clouds there are; 0: none worth a branch. */
+static float narrow_peak(const velum_eye_block *block) {
+    float g = 0.0f;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        float own = slot >= VELUM_SLOT_UNIFORM ? block->slots[slot].optics[1]
+                    : slot == VELUM_SLOT_HIGH  ? VELUM_ICE_G_FORWARD
+                                               : VELUM_DROPLET_20_G_HG;
+        if (block->table[2] & (1u << slot) && own > g) {
+            g = own;
+        }
+    }
+    return g > NARROW_G ? g : 0.0f;
+}
+
+/* True: nothing that is there can be kept. */
+static bool changed(view *v, const velum_view_block *block, bool cut) {
+    const eye *y = v->eye;
+    const engine *e = y->e;
+    reference *r = &v->reference;
+    reference_key key;
+    memset(&key, 0, sizeof key);
+    key.eye = y->block;
+    key.view = *block;
+    key.view.scale[0] = key.view.depth[3] = 0.0f;
+    key.view.size[2] = key.view.size[3] = key.view.frame[2] = 0;
+    key.tables = y->tiles.built;
+    for (int i = 0; i < 2; i++) {
+        key.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
+    }
+    bool same = !cut && r->key && memcmp(r->key, &key, sizeof key) == 0;
+    if (!r->key) {
+        r->key = malloc(sizeof *r->key);
+    }
+    if (r->key) {
+        *r->key = key;
+    }
+    return !same;
+}
+
+/* Chooses the slice and moves on. */
+static uint32_t take_slice(reference *r, uint32_t pixels, uint32_t limit, velum_view_block *block) {
+    uint32_t side = 1;
+    while ((uint64_t)side * side < pixels) {
+        side++;
+    }
+    const uint32_t turns = side * side;
+    if (r->turn == 0) {
+        uint32_t most = limit > r->done ? limit - r->done : limit ? 0 : ROUND_MAX;
+        uint32_t paths = r->budget / turns;
+        paths = paths > 1 ? paths : 1;
+        paths = paths < ROUND_MAX ? paths : ROUND_MAX;
+        r->paths_now = paths < most ? paths : most;
+    }
+    uint32_t count = 0;
+    if (r->paths_now > 0) {
+        count = r->budget / r->paths_now;
+        count = count > 0 ? count : 1;
+        count = count < turns - r->turn ? count : turns - r->turn;
+    }
+    const uint32_t slice[4] = {r->turn, count, r->paths_now, r->done};
+    memcpy(block->march_size, slice, sizeof slice);
+    block->steps[1] = side;
+    r->turn += count;
+    if (r->turn == turns) {
+        r->turn = 0;
+        r->done += r->paths_now;
+    }
+    return count * slice[2];
+}
+
+static bool write_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
+                      VkDescriptorSet *out) {
+    const pipelines *p = &e->passes;
+    const reference *r = &v->reference;
+    if (!frame_set(e, p->set_reference, out)) {
+        return false;
+    }
+    const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
+    VkImageView nothing = images->layers ? e->nothing_layered.view : e->nothing.view;
+    const VkDescriptorImageInfo image[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_REFERENCE_OUT_VARIANCE] = {VK_NULL_HANDLE, images->variance ? images->variance : nothing, general},
+        [VELUM_BIND_OUT_LUMINANCE] = {VK_NULL_HANDLE, images->luminance, general},
+        [VELUM_BIND_OUT_TRANSMITTANCE] = {VK_NULL_HANDLE, images->transmittance, general},
+        [VELUM_BIND_OUT_DISTANCE] = {VK_NULL_HANDLE, images->distance ? images->distance : nothing, general},
+        [VELUM_BIND_DEPTH] = {p->nearest, images->depth ? images->depth : e->air.view,
+                              images->depth ? images->depth_layout : general}};
+    const VkDescriptorBufferInfo buffer[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_VIEW] = {e->uniforms.buffer, 0, sizeof(velum_view_block)},
+        [VELUM_BIND_REFERENCE_PATHS] = {r->paths.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_PIXELS] = {r->pixels.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_BOUNDS] = {e->pages.bounds.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_NOISE] = {e->noise_most.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_ERROR] = {r->error.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 4 * VELUM_COUNTER_WORDS}};
+    VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
+        bool is_buffer = buffer[i].buffer != VK_NULL_HANDLE;
+        if (!is_buffer && !image[i].imageView) {
+            continue;
+        }
+        writes[count++] =
+            (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   .dstSet = *out,
+                                   .dstBinding = i,
+                                   .descriptorCount = 1,
+                                   .descriptorType = i == VELUM_BIND_VIEW    ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC
+                                                     : is_buffer             ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                                     : i == VELUM_BIND_DEPTH ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
+                                                                             : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                                   .pImageInfo = is_buffer ? NULL : &image[i],
+                                   .pBufferInfo = is_buffer ? &buffer[i] : NULL};
+    }
+    e->g.UpdateDescriptorSets(e->g.device, count, writes, 0, NULL);
+    return true;
+}
+
+static bool bind(view *v, VkCommandBuffer commands, const velum_vulkan_images *images, const velum_view_block *block,
+                 uint32_t counter) {
+    eye *y = v->eye;
+    engine *e = y->e;
+    const velum_shadow_block none = {0};
+    uint32_t offsets[3];
+    VkDescriptorSet sets[2] = {y->set, VK_NULL_HANDLE};
+    if (!frame_uniform(e, &y->block, sizeof y->block, &offsets[0]) ||
+        !frame_uniform(e, &none, sizeof none, &offsets[1]) || !frame_uniform(e, block, sizeof *block, &offsets[2])) {
+        e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
+        return false;
+    }
+    if (!write_set(e, v, images, counter, &sets[1])) {
+        return false;
+    }
+    e->g.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_reference, 0, 2, sets, 3,
+                               offsets);
+    return true;
+}
+
+static void compute_barrier(gpu *g, VkCommandBuffer commands) {
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
+                VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
+                    VK_ACCESS_2_TRANSFER_READ_BIT);
+}
+
+static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered, bool anew,
+                          bool round_ends, uint32_t counter, uint32_t query, uint32_t paths) {
+    engine *e = v->eye->e;
+    gpu *g = &e->g;
+    reference *r = &v->reference;
+    const VkDeviceSize at = (VkDeviceSize)counter * COUNTER_STRIDE;
+    const VkDeviceSize bytes = sizeof(uint32_t) * VELUM_COUNTER_WORDS;
+    const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    const VkAccessFlags2 access = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    /* The frame before used what is written now. */
+    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, access | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    g->CmdFillBuffer(commands, e->counters.buffer, at, bytes, 0);
+    if (anew) {
+        g->CmdFillBuffer(commands, r->error.buffer, 0, 16, 0);
+    }
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
+    frame_timestamp(e, commands, query);
+    if (paths > 0) {
+        uint32_t groups = (paths + VELUM_REFERENCE_GROUP - 1) / VELUM_REFERENCE_GROUP;
+        pass which = blocks_mix(e) ? PASS_REFERENCE_MIXED : PASS_REFERENCE;
+        g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
+        g->CmdDispatch(commands, groups < GROUPS_MAX ? groups : GROUPS_MAX, 1, 1);
+        compute_barrier(g, commands);
+    }
+    frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
+    record_dispatch(e, commands, layered ? PASS_REFERENCE_RESOLVE_LAYERED : PASS_REFERENCE_RESOLVE, block->size[0],
+                    block->size[1]);
+    compute_barrier(g, commands);
+    if (round_ends) {
+        g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[PASS_REFERENCE_ERROR]);
+        g->CmdDispatch(commands, 1, 1, 1);
+        compute_barrier(g, commands);
+    }
+    frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
+    const VkBufferCopy counters = {at, at, bytes};
+    const VkBufferCopy error = {0, at + bytes, sizeof(float)};
+    g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &counters);
+    g->CmdCopyBuffer(commands, r->error.buffer, e->now->counters.buffer, 1, &error);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
+                VK_ACCESS_2_HOST_READ_BIT);
+}
+
+velum_result record_reference(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
+                              const velum_vulkan_images *images, velum_view_block *block, bool cut) {
+    eye *y = v->eye;
+    engine *e = y->e;
+    frame_slot *slot = e->now;
+    reference *r = &v->reference;
+    float g = narrow_peak(&y->block);
+    block->march[0] = g > 0.0f ? BRANCHES : 0.0f;
+    block->march[1] = g;
+    block->march[3] = WORTH;
+    memset(block->march_size, 0, sizeof block->march_size);
+    memset(block->steps, 0, sizeof block->steps);
+    block->steps[0] = y->plan.octaves;
+    block->frame[0] = 0;
+    block->frame[1] &= ~VELUM_VIEW_BLOCK_CUT;
+    bool anew = changed(v, block, cut);
+    if (anew) {
+        r->turn = r->done = 0;
+        block->frame[1] |= VELUM_VIEW_BLOCK_CUT;
+    }
+    uint32_t before = r->done;
+    uint32_t paths = take_slice(r, frame->width * frame->height, frame->path_limit, block);
+    uint32_t counter = slot->record_count;
+    if (!bind(v, commands, images, block, counter)) {
+        free(r->key);
+        r->key = NULL;
+        return gpu_result(&e->g);
+    }
+    uint32_t query = frame_queries(e, 3);
+    record_passes(v, commands, block, images->layers != 0, anew, r->done != before, counter, query, paths);
+    slot->record[slot->record_count++] = (frame_record){.v = v,
+                                                        .query = query,
+                                                        .paths = paths,
+                                                        .stats = {.incomplete = y->incomplete,
+                                                                  .frame = e->newest_serial,
+                                                                  .revision = e->weather.revision,
+                                                                  .weather_bytes = engine_weather_bytes(e),
+                                                                  .view_bytes = v->bytes,
+                                                                  .paths_per_pixel = r->done}};
+    v->frame = e->frames;
+    v->last_serial = e->newest_serial;
+    return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;
+}

@@ -1,0 +1,58 @@
+/* What the reference's pipelines and the plugin share. Bindings of set 1 besides the view's block (VELUM_BIND_VIEW),
+ * its output images and its depth image, which keep their numbers. */
+#ifndef VELUM_REFERENCE_H
+#define VELUM_REFERENCE_H
+
+#include "arguments.h"
+
+#define VELUM_BIND_REFERENCE_PATHS 1  /* storage: velum_reference_path for each path of the slice */
+#define VELUM_BIND_REFERENCE_PIXELS 2 /* storage: velum_reference_pixel for each pixel of the view */
+#define VELUM_BIND_REFERENCE_BOUNDS 3 /* storage: velum_page_bounds for each page */
+#define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest value of the shape noise in each block of texels */
+#define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
+#define VELUM_BIND_REFERENCE_ERROR 6 /* storage: relative error */
+
+/* A block of the shape noise: so many texels a side, so many blocks a side of the volume. */
+#define VELUM_NOISE_BLOCK 4
+#define VELUM_NOISE_BLOCKS 32
+
+/* What holds for a slot anywhere in a page. */
+VELUM_STRUCT(velum_page_bounds) {
+    VELUM_VEC4(most);   /* effective coverage; extinction before height is counted, 1/m; growth; reach, lowest */
+    VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */
+    VELUM_VEC4(shape);  /* greatest power; least softness; 0; 0 */
+};
+
+/* What one path found. */
+VELUM_STRUCT(velum_reference_path) {
+    VELUM_VEC4(light);   /* luminance, cd/m2; distance of cloud times its weight */
+    VELUM_VEC4(through); /* transmittance; weight of cloud */
+};
+
+/* Means over the paths of a pixel. */
+VELUM_STRUCT(velum_reference_pixel) {
+    VELUM_VEC4(light);    /* luminance, cd/m2; paths */
+    VELUM_VEC4(through);  /* transmittance; sum of squared deviations of luminance Y (Welford 1962) */
+    VELUM_VEC4(distance); /* distance of cloud times its weight, its weight, 0, 0 */
+};
+
+/* Which pixel has which turn, and which turn a pixel has: both ways the same, over side^2 >= pixels, so that any run of
+ * turns is spread over the picture and costs what any other does. */
+VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
+    return (turn % side) * side + turn / side;
+}
+
+/* In velum_view_block, of the reference: march_size: first turn of the slice, turns, paths for each, number of the
+ * first path; steps: greatest order (0: all), side of the turns; march: branches for each collision, asymmetry of their
+ * lobe, unused, worth below which roulette begins. */
+
+/* Words of a view's counters: rays, samples, light samples, missing tiles; paths begun in the slice; samples above
+ * their majorant; 0; 0. */
+#define VELUM_COUNTER_WORDS 8
+#define VELUM_COUNTER_QUEUE 4
+#define VELUM_COUNTER_ABOVE 5
+
+/* Invocations of a work group of the tracer. */
+#define VELUM_REFERENCE_GROUP 64
+
+#endif
