@@ -36,7 +36,7 @@ void options_print_usage(void) {
           "EXR channels: R G B the light that cloud and air add (cd/m2), TR TG TB what they let through, A the mean of "
           "that\n"
           "weighted by luminance, Z the mean distance of cloud (m; 0: none). PNG: the composed, tone-mapped picture.\n"
-          "Keys in a window: space pauses, arrows seek, r reverses, Escape closes.\n",
+          "Keys in a window: space pauses, arrows seek, r reverses, q and Escape close.\n",
           stdout);
 }
 

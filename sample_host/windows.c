@@ -14,6 +14,7 @@
 #include <string.h>
 
 static const double seek_s = 10;
+enum { MONITORS_MAX = 64 };
 
 struct player {
     double time_s, from_s, to_s;
@@ -47,6 +48,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
         return;
     }
     switch (key) {
+    case GLFW_KEY_Q:
     case GLFW_KEY_ESCAPE: player->closed = true; break;
     case GLFW_KEY_SPACE: player->paused = !player->paused; break;
     case GLFW_KEY_R: player->direction = -player->direction; break;
@@ -73,22 +75,61 @@ static bool report_glfw(const char *what) {
     return false;
 }
 
-/* Its own monitor, whole, where there is one for each; else beside the one before. */
+/* From left to right, then downwards: GLFW names the primary one first. */
+static uint32_t list_monitors(GLFWmonitor *out[MONITORS_MAX]) {
+    int count = 0;
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    uint32_t used = 0;
+    for (; used < MONITORS_MAX && (int)used < count; used++) {
+        int x = 0, y = 0;
+        uint32_t at = used;
+        glfwGetMonitorPos(monitors[used], &x, &y);
+        for (; at > 0; at--) {
+            int other_x = 0, other_y = 0;
+            glfwGetMonitorPos(out[at - 1], &other_x, &other_y);
+            if (other_x < x || (other_x == x && other_y <= y)) {
+                break;
+            }
+            out[at] = out[at - 1];
+        }
+        out[at] = monitors[used];
+    }
+    return used;
+}
+
+/* All of one monitor; it stays when another window is chosen. */
+static GLFWwindow *open_whole(GLFWmonitor *monitor, const char *title) {
+    const GLFWvidmode *mode = glfwGetVideoMode(monitor);
+    if (!mode) {
+        return NULL;
+    }
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
+    glfwWindowHint(GLFW_RED_BITS, mode->redBits);
+    glfwWindowHint(GLFW_GREEN_BITS, mode->greenBits);
+    glfwWindowHint(GLFW_BLUE_BITS, mode->blueBits);
+    glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
+    return glfwCreateWindow(mode->width, mode->height, title, monitor, NULL);
+}
+
+/* Its own monitor, whole, where there is one for each; else shared among the monitors, beside the one before. */
 static GLFWwindow *open_window(const struct renderer_channel *channel, uint32_t index, uint32_t count, int *next_x) {
-    int monitor_count = 0;
-    GLFWmonitor **monitors = glfwGetMonitors(&monitor_count);
+    GLFWmonitor *monitors[MONITORS_MAX];
+    uint32_t monitor_count = list_monitors(monitors);
     char title[96];
     snprintf(title, sizeof title, "Velum: %s", channel->info.name);
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-    if (monitor_count > 1 && (uint32_t)monitor_count >= count) {
-        const GLFWvidmode *mode = glfwGetVideoMode(monitors[index]);
-        return mode ? glfwCreateWindow(mode->width, mode->height, title, monitors[index], NULL) : NULL;
+    if (monitor_count > 1 && monitor_count >= count) {
+        return open_whole(monitors[index], title);
     }
     GLFWwindow *handle = glfwCreateWindow((int)channel->width, (int)channel->height, title, NULL, NULL);
     if (handle && count > 1) {
         int x = *next_x, y = 40;
         if (monitor_count > 1) {
-            glfwGetMonitorPos(monitors[index % (uint32_t)monitor_count], &x, &y);
+            uint32_t monitor = index * monitor_count / count;
+            uint32_t first = (monitor * count + monitor_count - 1) / monitor_count;
+            glfwGetMonitorPos(monitors[monitor], &x, &y);
+            x += (int)((index - first) * channel->width);
+            y += 40;
         }
         glfwSetWindowPos(handle, x, y);
         *next_x += (int)channel->width;
