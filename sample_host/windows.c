@@ -326,7 +326,7 @@ bool windows_play(const struct options *options) {
         return false;
     }
     if (!glfwInit()) {
-        return report_glfw("no display");
+        return report_glfw("no display (--out DIR makes pictures without one)");
     }
     uint32_t extension_count = 0;
     const char **extensions = glfwGetRequiredInstanceExtensions(&extension_count);

@@ -71,7 +71,7 @@ refused '--spp needs --quality reference' play "$good" --spp 16
 refused '--device: found .fast.' play "$good" --device fast
 refused '--window does not go with --out' play "$good" --window --out "$work/x"
 refused 'no display' play "$good" --window
-DISPLAY=:987 refused 'no display: .*:987' play "$good" --window
+DISPLAY=:987 refused 'no display .*:987' play "$good" --window
 refused '--at is missing' probe "$good"
 refused '--out is missing' shadow "$good" --at 0
 refused 'a second scenario' play "$good" "$good"
