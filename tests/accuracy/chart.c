@@ -17,6 +17,7 @@ extern char **environ;
 /* The mean over scenes of one value of one curve. */
 typedef struct point {
     const char *group, *name;
+    method_motion motion;
     double value, ms, samples, square;
     uint32_t scenes;
     pareto_point by_ms, by_samples;
@@ -64,7 +65,7 @@ static uint32_t collect(const program *p, point *points) {
             continue;
         }
         if (k == count) {
-            points[count++] = (point){.group = m->group, .name = m->name, .value = m->value};
+            points[count++] = (point){.group = m->group, .name = m->name, .motion = m->motion, .value = m->value};
         }
         points[k].ms += m->ms_per_megapixel;
         points[k].samples += m->samples + m->light_samples;
@@ -81,13 +82,13 @@ static uint32_t collect(const program *p, point *points) {
     return count;
 }
 
-/* The front is that of all curves of the group. */
+/* The front is that of all curves of the group that move alike. */
 static void mark_fronts(point *points, uint32_t count) {
     pareto_point by_ms[POINTS_MAX], by_samples[POINTS_MAX];
     for (uint32_t first = 0; first < count; first++) {
         uint32_t members = 0, index[POINTS_MAX];
         for (uint32_t k = 0; k < count; k++) {
-            if (strcmp(points[k].group, points[first].group) == 0) {
+            if (strcmp(points[k].group, points[first].group) == 0 && points[k].motion == points[first].motion) {
                 by_ms[members] = points[k].by_ms;
                 by_samples[members] = points[k].by_samples;
                 index[members++] = k;
@@ -155,7 +156,8 @@ static bool draw_group(const program *p, const char *group, const point *points,
         fprintf(file, "END\n");
     }
     fprintf(file,
-            "set logscale xy\nset grid\nset key outside below\nset title \"%s\"\nset xlabel \"%s\"\n"
+            "set logscale xy\nset autoscale noextend\nset grid\nset key outside below\nset title \"%s\"\nset xlabel "
+            "\"%s\"\n"
             "set ylabel \"relative root mean square error of luminance\"\nset offsets graph 0.08, graph 0.08, graph "
             "0.08, graph 0.08\n",
             group, by_ms ? "ms a megapixel" : "samples a pixel and frame, along rays and towards the sun");

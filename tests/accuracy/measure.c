@@ -83,6 +83,7 @@ bool measure(stage *s, const char *scene, const stage_camera *c, const method_ro
                             .group = row ? row->group : "preset",
                             .name = row ? row->name : measure_preset(quality),
                             .unit = row ? row->unit : "",
+                            .motion = motion,
                             .value = value,
                             .frames = frames,
                             .stand_in = r->stand_in};

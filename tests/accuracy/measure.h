@@ -10,6 +10,7 @@
 
 typedef struct measurement {
     const char *scene, *group, *name, *unit; /* group "preset": name is the preset's */
+    method_motion motion;
     double value;
     metric m, m_8; /* of pixels; of means over 8 x 8 */
     uint32_t frames;

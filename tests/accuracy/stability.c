@@ -1,6 +1,185 @@
-#include "program.h"
+#include "stability.h"
+
+#include <math.h>
+#include <string.h>
+
+#define EARTH_A_M 6378137.0
+#define EARTH_A_OVER_B (6378137.0 / 6356752.314245179)
+
+bool trial_load(trial *t, const trial_weather *w) {
+    char text[2048];
+    trial_close(t);
+    snprintf(text, sizeof text,
+             "{\"velum\": 1, \"start\": \"2014-12-18T12:00:00Z\", \"duration_s\": 1e9, \"seed\": 7, \"sun\": "
+             "{\"azimuth_deg\": %.9g, \"elevation_deg\": %.9g}, \"atmosphere\": \"%s\", \"weather\": [{\"time_s\": 0, "
+             "\"sources\": [{\"global\": {\"layers\": [%s]}}]}], \"camera\": [{\"lat_deg\": %.9g, \"lon_deg\": %.9g, "
+             "\"height_m\": 0}]}",
+             w->sun_azimuth_deg, w->sun_elevation_deg, w->atmosphere, w->layers, w->lat_deg, w->lon_deg);
+    t->s->hides_ground = strcmp(w->atmosphere, "none") == 0;
+    return stage_load_text(t->s, text, w->wind_east_m_s) == STAGE_OK;
+}
+
+void trial_close(trial *t) {
+    if (t->v.eye) {
+        stage_view_finish(&t->v, t->s);
+    }
+    picture_finish(&t->now);
+}
+
+bool trial_open(trial *t, uint32_t width, uint32_t height) {
+    trial_close(t);
+    velum_result result = stage_view_init(t->s, &t->v, t->quality, width, height);
+    if (result < 0) {
+        stage_fail(t->s, "view", result);
+        return false;
+    }
+    return picture_init(&t->now, width, height);
+}
+
+bool trial_draw(trial *t, const stage_camera *c, double time_s, uint32_t flags, uint32_t frames) {
+    if ((flags & VELUM_VIEW_CUT) && !stage_prepare(t->s, c, t->now.width, time_s)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < frames; i++) {
+        velum_result result = stage_draw(t->s, &t->v, c, time_s, i == 0 ? flags : 0, &t->now, NULL);
+        if (result < 0) {
+            stage_fail(t->s, "render", result);
+            return false;
+        }
+        t->invalid += picture_invalid(&t->now);
+    }
+    return true;
+}
+
+bool trial_plan(trial *t, void (*change)(velum_plan *plan, double value), double value) {
+    velum_plan plan = {.struct_size = sizeof plan};
+    const char *reasons = NULL;
+    velum_result result = t->s->host.engine->get_plan(t->v.eye, &plan, &reasons);
+    if (result >= 0) {
+        change(&plan, value);
+        result = t->s->host.engine->set_plan(t->v.eye, &plan);
+    }
+    if (result < 0) {
+        stage_fail(t->s, "plan", result);
+    }
+    return result >= 0;
+}
+
+/* To the ellipsoid's surface, or far beyond all cloud. */
+static double ray_end(const double from[3], const double direction[3]) {
+    const double p[3] = {from[0], from[1], from[2] * EARTH_A_OVER_B};
+    const double d[3] = {direction[0], direction[1], direction[2] * EARTH_A_OVER_B};
+    double dd = 0.0, pd = 0.0, pp = 0.0;
+    for (int i = 0; i < 3; i++) {
+        dd += d[i] * d[i];
+        pd += p[i] * d[i];
+        pp += p[i] * p[i];
+    }
+    double disc = pd * pd - dd * (pp - EARTH_A_M * EARTH_A_M);
+    double t = disc > 0.0 ? (-pd - sqrt(disc)) / dd : -1.0;
+    return t > 0.0 ? t : 3e6;
+}
+
+bool trial_transmittance(trial *t, const stage_camera *c, double time_s, double *out_worst, double *out_mean) {
+    const picture *p = &t->now;
+    double sum = 0.0;
+    *out_worst = 0.0;
+    for (uint32_t j = 0; j < 8; j++) {
+        for (uint32_t i = 0; i < 8; i++) {
+            uint32_t x = (2 * i + 1) * p->width / 16, y = (2 * j + 1) * p->height / 16;
+            double u = c->tan_x * (2.0 * (x + 0.5) / p->width - 1.0);
+            double v = c->tan_y * (1.0 - 2.0 * (y + 0.5) / p->height);
+            double d[3], length = 0.0;
+            velum_line_query line = {.struct_size = sizeof line, .time_s = time_s};
+            velum_line_answer answer = {.struct_size = sizeof answer};
+            for (int k = 0; k < 3; k++) {
+                d[k] = c->forward[k] + u * c->right[k] + v * c->up[k];
+                length += d[k] * d[k];
+            }
+            for (int k = 0; k < 3; k++) {
+                d[k] /= sqrt(length);
+            }
+            double end = ray_end(c->position_m, d);
+            for (int k = 0; k < 3; k++) {
+                line.from_ecef_m[k] = c->position_m[k];
+                line.to_ecef_m[k] = c->position_m[k] + end * d[k];
+            }
+            velum_result result = t->s->host.world->query_line(t->s->world, &line, &answer);
+            if (result < 0) {
+                stage_fail(t->s, "query_line", result);
+                return false;
+            }
+            double found = (double)p->transmittance[3 * (y * p->width + x) + 1];
+            double miss = fabs(found - answer.transmittance) - 0.01 * answer.transmittance;
+            *out_worst = isnan(found) ? NAN : fmax(*out_worst, miss);
+            sum += fabs(found - answer.transmittance);
+        }
+    }
+    if (out_mean) {
+        *out_mean = sum / 64.0;
+    }
+    return true;
+}
+
+double trial_difference(const trial *t, const picture *other) {
+    metric m;
+    return other->count == t->now.count && metric_compute(t->now.luminance, other->luminance, NULL, other->count, &m) &&
+                   m.invalid == 0
+               ? m.error
+               : NAN;
+}
+
+bool trial_keep(const trial *t, picture *out) {
+    if (!picture_init(out, t->now.width, t->now.height)) {
+        return false;
+    }
+    memcpy(out->rgb, t->now.rgb, 3 * sizeof(float) * out->count);
+    memcpy(out->transmittance, t->now.transmittance, 3 * sizeof(float) * out->count);
+    picture_update_luminance(out);
+    return true;
+}
+
+double trial_mean(const trial *t) {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < t->now.count; i++) {
+        sum += (double)t->now.luminance[i] / t->now.count;
+    }
+    return sum;
+}
 
 int stability_run(program *p) {
-    (void)p;
-    return 1;
+    uint32_t broken = 0;
+    if (!p->json) {
+        printf("| case | fails in the usual method | ours | measured | bound | found | invalid pixels | |\n"
+               "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    }
+    for (const stability_case *c = stability_cases; c->name; c++) {
+        bool wanted = p->scene_count == 0;
+        for (uint32_t i = 0; i < p->scene_count; i++) {
+            wanted = wanted || strcmp(p->scenes[i], c->name) == 0;
+        }
+        if (!wanted) {
+            continue;
+        }
+        trial t = {.s = &p->s, .quality = p->preset_count ? p->presets[0] : VELUM_QUALITY_MEDIUM, .value = NAN};
+        bool ran = c->run(&t);
+        bool ok = ran && t.invalid == 0 && t.value <= c->bound;
+        trial_close(&t);
+        broken += ok ? 0 : 1;
+        if (p->json) {
+            printf("{\"case\": \"%s\", \"bound\": %g, \"found\": ", c->name, c->bound);
+            printf(isfinite(t.value) ? "%.6g" : "null", t.value);
+            printf(", \"invalid_pixels\": %u, \"holds\": %s}\n", t.invalid, ok ? "true" : "false");
+        } else {
+            printf("| %s | %s | %s | %s | %g | %.4g%s%s | %u | %s |\n", c->name, c->usual, c->ours, c->measured,
+                   c->bound, t.value, t.text[0] ? "; " : "", t.text, t.invalid,
+                   ok    ? "holds"
+                   : ran ? "BROKEN"
+                         : "FAILED");
+        }
+        fflush(stdout);
+    }
+    p->s.hides_ground = false;
+    fprintf(stderr, "velum-accuracy: %u of the cases do not hold\n", broken);
+    return broken ? 1 : 0;
 }

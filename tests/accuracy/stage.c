@@ -288,7 +288,7 @@ velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double t
     eye.flags = flags & VELUM_VIEW_CUT ? VELUM_EYE_RESET : 0;
     memcpy(eye.position_ecef_m, c->position_m, sizeof eye.position_ecef_m);
     velum_view_frame view = {.struct_size = sizeof view,
-                             .flags = VELUM_VIEW_GROUND | flags,
+                             .flags = (s->hides_ground ? 0u : VELUM_VIEW_GROUND) | flags,
                              .tan_left = (float)-c->tan_x,
                              .tan_right = (float)c->tan_x,
                              .tan_bottom = (float)-c->tan_y,

@@ -24,6 +24,7 @@ typedef struct stage {
     int32_t atmosphere;
     float sun_lx[3];
     double sun[3];
+    bool hides_ground; /* pictures without Velum's own ground */
 } stage;
 
 /* A camera that stands, or where it stands in one frame of a motion. */
