@@ -174,7 +174,7 @@ typedef struct reference_key {
 
 /* A view's accumulation. */
 typedef struct reference {
-    gpu_buffer paths, pixels, error;
+    gpu_buffer paths, pixels, error, lanes;
     uint32_t path_room; /* paths of a slice at most */
     uint32_t budget;    /* paths that a submission has time for */
     uint32_t turn;      /* of the pixels (shared/reference.h): first of the next slice */

@@ -8,6 +8,9 @@
 
 enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
+/* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
+enum { SOFTWARE_GROUPS = 4, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 20 };
+
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
 /* Fewer flights about the sun are drawn than collisions, in clouds whose phase function has a narrow peak. */
@@ -63,6 +66,10 @@ static bool init_storage(gpu *g, gpu_buffer *buffer, VkDeviceSize bytes) {
                            GPU_MEMORY_DEVICE);
 }
 
+static bool is_software(const gpu *g) {
+    return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
 bool reference_init(view *v) {
     gpu *g = &v->eye->e->g;
     reference *r = &v->reference;
@@ -74,18 +81,24 @@ bool reference_init(view *v) {
         g->result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
         return false;
     }
+    const bool software = is_software(g);
     r->path_room = PATHS_MAX;
     r->budget = PATHS_MIN;
     if (!init_storage(g, &r->paths, r->path_room * sizeof(velum_reference_path)) ||
-        !init_storage(g, &r->pixels, pixels) || !init_storage(g, &r->error, 16)) {
+        !init_storage(g, &r->pixels, pixels) ||
+        !init_storage(g, &r->lanes,
+                      (software ? SOFTWARE_GROUPS : 1) * VELUM_REFERENCE_GROUP * sizeof(velum_reference_lane)) ||
+        !init_storage(g, &r->error, 16)) {
         return false;
     }
-    v->bytes = r->paths.allocation.size + r->pixels.allocation.size + r->error.allocation.size;
+    v->bytes =
+        r->lanes.allocation.size + r->paths.allocation.size + r->pixels.allocation.size + r->error.allocation.size;
     return true;
 }
 
 void reference_finish(gpu *g, view *v) {
     reference *r = &v->reference;
+    gpu_buffer_finish(g, &r->lanes);
     gpu_buffer_finish(g, &r->paths);
     gpu_buffer_finish(g, &r->pixels);
     gpu_buffer_finish(g, &r->error);
@@ -178,6 +191,11 @@ static uint32_t take_slice(reference *r, uint32_t pixels, uint32_t limit, velum_
     return count * slice[2];
 }
 
+typedef struct binding {
+    VkDescriptorSet sets[2];
+    uint32_t offsets[3], again; /* eye, shadow, view */
+} binding;
+
 static bool write_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
                       VkDescriptorSet *out) {
     const pipelines *p = &e->passes;
@@ -200,6 +218,7 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
         [VELUM_BIND_REFERENCE_PIXELS] = {r->pixels.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_BOUNDS] = {e->pages.bounds.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_NOISE] = {e->noise_most.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_LANES] = {r->lanes.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_ERROR] = {r->error.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 4 * VELUM_COUNTER_WORDS}};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
@@ -225,24 +244,29 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
     return true;
 }
 
-static bool bind(view *v, VkCommandBuffer commands, const velum_vulkan_images *images, const velum_view_block *block,
-                 uint32_t counter) {
+/* Two bindings: of the first dispatch, and of those that take lanes up again. */
+static bool bind_init(view *v, const velum_vulkan_images *images, const velum_view_block *block, uint32_t counter,
+                      binding *out) {
     eye *y = v->eye;
     engine *e = y->e;
     const velum_shadow_block none = {0};
-    uint32_t offsets[3];
-    VkDescriptorSet sets[2] = {y->set, VK_NULL_HANDLE};
-    if (!frame_uniform(e, &y->block, sizeof y->block, &offsets[0]) ||
-        !frame_uniform(e, &none, sizeof none, &offsets[1]) || !frame_uniform(e, block, sizeof *block, &offsets[2])) {
+    velum_view_block again = *block;
+    again.steps[2] = 1;
+    out->sets[0] = y->set;
+    if (!frame_uniform(e, &y->block, sizeof y->block, &out->offsets[0]) ||
+        !frame_uniform(e, &none, sizeof none, &out->offsets[1]) ||
+        !frame_uniform(e, block, sizeof *block, &out->offsets[2]) ||
+        !frame_uniform(e, &again, sizeof again, &out->again)) {
         e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    if (!write_set(e, v, images, counter, &sets[1])) {
-        return false;
-    }
-    e->g.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_reference, 0, 2, sets, 3,
+    return write_set(e, v, images, counter, &out->sets[1]);
+}
+
+static void bind(const engine *e, VkCommandBuffer commands, const binding *b, bool again) {
+    const uint32_t offsets[3] = {b->offsets[0], b->offsets[1], again ? b->again : b->offsets[2]};
+    e->g.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_reference, 0, 2, b->sets, 3,
                                offsets);
-    return true;
 }
 
 static void compute_barrier(gpu *g, VkCommandBuffer commands) {
@@ -252,8 +276,8 @@ static void compute_barrier(gpu *g, VkCommandBuffer commands) {
                     VK_ACCESS_2_TRANSFER_READ_BIT);
 }
 
-static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered, bool anew,
-                          bool round_ends, uint32_t counter, uint32_t query, uint32_t paths) {
+static void record_passes(view *v, VkCommandBuffer commands, const binding *bound, const velum_view_block *block,
+                          bool layered, bool anew, bool round_ends, uint32_t counter, uint32_t query, uint32_t paths) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     reference *r = &v->reference;
@@ -271,12 +295,21 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                 compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query);
+    bind(e, commands, bound, false);
     if (paths > 0) {
+        const bool software = is_software(g);
         uint32_t groups = (paths + VELUM_REFERENCE_GROUP - 1) / VELUM_REFERENCE_GROUP;
+        uint32_t most = software ? SOFTWARE_GROUPS : GROUPS_MAX;
         pass which = blocks_mix(e) ? PASS_REFERENCE_MIXED : PASS_REFERENCE;
         g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
-        g->CmdDispatch(commands, groups < GROUPS_MAX ? groups : GROUPS_MAX, 1, 1);
-        compute_barrier(g, commands);
+        for (uint32_t i = 0; i < (software ? SOFTWARE_DISPATCHES : 1); i++) {
+            if (i == 1) {
+                bind(e, commands, bound, true);
+            }
+            g->CmdDispatch(commands, groups < most ? groups : most, 1, 1);
+            compute_barrier(g, commands);
+        }
+        bind(e, commands, bound, false);
     }
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
     record_dispatch(e, commands, layered ? PASS_REFERENCE_RESOLVE_LAYERED : PASS_REFERENCE_RESOLVE, block->size[0],
@@ -309,6 +342,7 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     memset(block->march_size, 0, sizeof block->march_size);
     memset(block->steps, 0, sizeof block->steps);
     block->steps[0] = y->plan.octaves;
+    block->steps[3] = is_software(&e->g) ? SOFTWARE_ROUNDS : 0x7fffffffu;
     block->frame[0] = 0;
     block->frame[1] &= ~VELUM_VIEW_BLOCK_CUT;
     bool anew = changed(v, block, cut);
@@ -319,13 +353,14 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     uint32_t before = r->done;
     uint32_t paths = take_slice(r, frame->width * frame->height, frame->path_limit, block);
     uint32_t counter = slot->record_count;
-    if (!bind(v, commands, images, block, counter)) {
+    binding bound;
+    if (!bind_init(v, images, block, counter, &bound)) {
         free(r->key);
         r->key = NULL;
         return gpu_result(&e->g);
     }
     uint32_t query = frame_queries(e, 3);
-    record_passes(v, commands, block, images->layers != 0, anew, r->done != before, counter, query, paths);
+    record_passes(v, commands, &bound, block, images->layers != 0, anew, r->done != before, counter, query, paths);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
                                                         .paths = paths,

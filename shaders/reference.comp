@@ -11,6 +11,9 @@ layout(local_size_x = VELUM_REFERENCE_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) writeonly buffer paths_buffer {
     velum_reference_path paths[];
 };
+layout(set = 1, binding = VELUM_BIND_REFERENCE_LANES, std430) buffer lanes_buffer {
+    velum_reference_lane lanes[];
+};
 layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[VELUM_COUNTER_WORDS];
 };
@@ -118,7 +121,50 @@ void main() {
     uint begun = 0u;
     bool missing = false;
 
-    while (state != at_end) {
+    /* Software devices give up loops after some 65,000 rounds, all loops of an invocation together: a lane stops before
+     * that, and goes on where it was in the next dispatch. */
+    const uint own = gl_GlobalInvocationID.x;
+    const uint most_rounds = view.steps.w;
+    if (view.steps.z != 0u) {
+        velum_reference_lane lane = lanes[own];
+        state = int(lane.state.x);
+        path_index = lane.state.y;
+        key = lane.state.z;
+        drawn = lane.state.w;
+        order = int(lane.flags.x);
+        waiting_order = int(lane.flags.y);
+        medium = int(lane.flags.z & 255u);
+        chosen_medium = int(lane.flags.z >> 8u);
+        grounded = (lane.flags.w & 1u) != 0u;
+        host_solid = (lane.flags.w & 2u) != 0u;
+        waiting = (lane.flags.w & 4u) != 0u;
+        waiting_from_ground = (lane.flags.w & 8u) != 0u;
+        s.slots = lane.tile.x;
+        s.tile.entry = lane.tile.y;
+        r = lane.r.xyz;
+        left_m = lane.r.w;
+        d = lane.d.xyz;
+        ray_m = lane.d.w;
+        s.left_m = lane.stretch.x;
+        s.most_1_m = lane.stretch.y;
+        chosen_m = lane.stretch.z;
+        cloud_weight = lane.stretch.w;
+        weight = lane.weight.xyz;
+        through_cloud = lane.weight.w;
+        light = lane.light.xyz;
+        chosen_sum = lane.light.w;
+        through = lane.through.xyz;
+        cloud_m = lane.through.w;
+        origin = lane.origin.xyz;
+        chosen_weight = lane.chosen.xyz;
+        incoming = lane.incoming.xyz;
+        sun_light = lane.sun.xyz;
+        waiting_r = lane.waiting_r.xyz;
+        waiting_d = lane.waiting_d.xyz;
+        waiting_weight = lane.waiting_weight.xyz;
+    }
+
+    for (uint round = 0u; state != at_end && round < most_rounds; ++round) {
         for (int once = state == at_start ? 0 : 1; once < 1; ++once) {
             path_index = atomicAdd(counters[VELUM_COUNTER_QUEUE], 1u);
             if (path_index >= count) {
@@ -341,6 +387,10 @@ void main() {
             bool fork = order >= 256 && (order & (order - 1)) == 0;
             bool dropped = order == greatest_order || (fork && draw() < 0.5);
             weight *= fork ? 2.0 : 1.0;
+            /* Very long ones must end within the dispatches that there are. */
+            bool old = drawn > VELUM_REFERENCE_OLD;
+            dropped = dropped || (old && draw() >= 0.9);
+            weight /= old ? 0.9 : 1.0;
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
             velum_phase_lobes lobes = medium_phase(medium);
@@ -418,6 +468,28 @@ void main() {
                 s.most_1_m = 0.0;
             }
         }
+    }
+    for (int once = most_rounds < 0x7fffffffu ? 0 : 1; once < 1; ++once) {
+        velum_reference_lane lane;
+        lane.state = uvec4(uint(state), path_index, key, drawn);
+        lane.flags = uvec4(uint(order), uint(waiting_order), uint(medium) | (uint(chosen_medium) << 8u),
+                           (grounded ? 1u : 0u) | (host_solid ? 2u : 0u) | (waiting ? 4u : 0u) |
+                               (waiting_from_ground ? 8u : 0u));
+        lane.tile = uvec4(s.slots, s.tile.entry, 0u, 0u);
+        lane.r = vec4(r, left_m);
+        lane.d = vec4(d, ray_m);
+        lane.stretch = vec4(s.left_m, s.most_1_m, chosen_m, cloud_weight);
+        lane.weight = vec4(weight, through_cloud);
+        lane.light = vec4(light, chosen_sum);
+        lane.through = vec4(through, cloud_m);
+        lane.origin = vec4(origin, 0.0);
+        lane.chosen = vec4(chosen_weight, 0.0);
+        lane.incoming = vec4(incoming, 0.0);
+        lane.sun = vec4(sun_light, 0.0);
+        lane.waiting_r = vec4(waiting_r, 0.0);
+        lane.waiting_d = vec4(waiting_d, 0.0);
+        lane.waiting_weight = vec4(waiting_weight, 0.0);
+        lanes[own] = lane;
     }
     atomicAdd(counters[0], begun);
     atomicAdd(counters[1], samples);

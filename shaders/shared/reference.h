@@ -11,6 +11,8 @@
 #define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest value of the shape noise in each block of texels */
 #define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
 #define VELUM_BIND_REFERENCE_ERROR 6 /* storage: relative error */
+#define VELUM_BIND_REFERENCE_LANES 7 /* storage: velum_reference_lane for each invocation, where they are interrupted  \
+                                      */
 
 /* A block of the shape noise: so many texels a side, so many blocks a side of the volume. */
 #define VELUM_NOISE_BLOCK 4
@@ -29,6 +31,26 @@ VELUM_STRUCT(velum_reference_path) {
     VELUM_VEC4(through); /* transmittance; weight of cloud */
 };
 
+/* An invocation between two dispatches of one slice. */
+VELUM_STRUCT(velum_reference_lane) {
+    VELUM_UVEC4(state);  /* what it is at; path; key; drawn */
+    VELUM_UVEC4(flags);  /* order, order that waits; media (newest, chosen); bits */
+    VELUM_UVEC4(tile);   /* slots, table entry, 0, 0 */
+    VELUM_VEC4(r);       /* w: rest of the ray */
+    VELUM_VEC4(d);       /* w: along the pixel's ray */
+    VELUM_VEC4(stretch); /* rest, bound; chosen distance; weight of cloud */
+    VELUM_VEC4(weight);  /* w: transmittance of cloud */
+    VELUM_VEC4(light);   /* w: sum of what could be chosen */
+    VELUM_VEC4(through); /* w: distance of cloud */
+    VELUM_VEC4(origin);
+    VELUM_VEC4(chosen);
+    VELUM_VEC4(incoming);
+    VELUM_VEC4(sun);
+    VELUM_VEC4(waiting_r);
+    VELUM_VEC4(waiting_d);
+    VELUM_VEC4(waiting_weight);
+};
+
 /* Means over the paths of a pixel. */
 VELUM_STRUCT(velum_reference_pixel) {
     VELUM_VEC4(light);    /* luminance, cd/m2; paths */
@@ -43,7 +65,8 @@ VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
 }
 
 /* In velum_view_block, of the reference: march_size: first turn of the slice, turns, paths for each, number of the
- * first path; steps: greatest order (0: all), side of the turns; march: branches for each collision, asymmetry of their
+ * first path; steps: greatest order (0: all), side of the turns, 1: lanes go on, rounds of a lane's
+ * loop at most; march: branches for each collision, asymmetry of their
  * lobe, unused, worth below which roulette begins. */
 
 /* Words of a view's counters: rays, samples, light samples, missing tiles; paths begun in the slice; samples above
@@ -51,6 +74,9 @@ VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
 #define VELUM_COUNTER_WORDS 8
 #define VELUM_COUNTER_QUEUE 4
 #define VELUM_COUNTER_ABOVE 5
+
+/* Numbers that a path has drawn when roulette begins to end it. */
+#define VELUM_REFERENCE_OLD 5000u
 
 /* Invocations of a work group of the tracer. */
 #define VELUM_REFERENCE_GROUP 64
