@@ -10,7 +10,7 @@
 
 #include "metric.h"
 
-enum { KEY_MAX = 2048, STAND_IN_FRAMES = 16 };
+enum { KEY_MAX = 2048, STAND_IN_FRAMES = 16, LEAST_PATHS = 16 };
 
 static void make_key(const stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                      const reference_options *options, char key[KEY_MAX]) {
@@ -129,20 +129,21 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
         }
         r->seconds = 1e-3 * (stage_now_ms() - start_ms);
         reference_noise(&r->picture, &r->noise, &r->noise_8);
-        /* Of the first slices not even the variance is known. */
-        done = r->stand_in ? r->frames + 1 >= STAND_IN_FRAMES : r->frames >= 16 && r->noise_8 <= options->error;
-        done = done || r->seconds >= options->seconds;
-        if (isatty(STDERR_FILENO) && (done || stage_now_ms() - told_ms > 500.0)) {
-            told_ms = stage_now_ms();
-            fprintf(stderr, "\r%-22s reference: %5.1f s, noise %.4f, of blocks %.4f%s", name, r->seconds, r->noise,
-                    r->noise_8, done ? "\n" : "");
-        }
-#ifdef ACCURACY_VARIANCE
         velum_view_stats stats = {.struct_size = sizeof stats};
-        if (!r->stand_in && s->host.engine->get_stats(v.view, &stats) == VELUM_OK) {
+        if (s->host.engine->get_stats(v.view, &stats) == VELUM_OK) {
             r->paths = (double)stats.paths_per_pixel;
         }
-#endif
+        /* A slice may not reach all pixels, and a few paths do not tell their variance. */
+        if (r->stand_in) {
+            done = r->frames + 1 >= STAND_IN_FRAMES;
+        } else if (r->paths >= LEAST_PATHS) {
+            done = r->noise_8 <= options->error || r->seconds >= options->seconds;
+        }
+        if (isatty(STDERR_FILENO) && (done || stage_now_ms() - told_ms > 500.0)) {
+            told_ms = stage_now_ms();
+            fprintf(stderr, "\r%-22s reference: %5.1f s, %.0f paths, noise %.4f, of blocks %.4f%s", name, r->seconds,
+                    r->paths, r->noise, r->noise_8, done ? "\n" : "");
+        }
     }
     if (result < 0) {
         stage_fail(s, "reference", result);

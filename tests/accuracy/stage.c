@@ -306,9 +306,7 @@ velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double t
                                  .luminance_rgb = out->rgb,
                                  .transmittance_rgb = out->transmittance,
                                  .distance_m = out->distance,
-#ifdef ACCURACY_VARIANCE
                                  .variance = out->variance,
-#endif
                                  .width = out->width,
                                  .height = out->height};
     double start_ms = stage_now_ms();
