@@ -60,6 +60,8 @@ typedef struct pipelines {
 } pipelines;
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size);
+/* Invocations of a work group of PASS_REFERENCE: on software devices one thread's vector. */
+uint32_t pipelines_reference_lanes(const gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
 void pipelines_finish(pipelines *p, gpu *g);

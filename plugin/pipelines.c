@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "engine.h"
+#include "shared/reference.h"
 
 /* After the headers: they need uint32_t. */
 #include "air.spv.h"
@@ -134,6 +135,10 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     }
 }
 
+uint32_t pipelines_reference_lanes(const gpu *g) {
+    return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 8 : VELUM_REFERENCE_GROUP;
+}
+
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     static const struct {
         const uint32_t *words;
@@ -159,8 +164,13 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     /* Constant 0 of weather.glsl and of resolve.comp. */
     const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
                           which == PASS_RESOLVE_LAYERED_GROUND || which == PASS_REFERENCE_MIXED;
-    const VkSpecializationMapEntry constant = {0, 0, sizeof more};
-    const VkSpecializationInfo constants = {1, &constant, sizeof more, &more};
+    /* Constant 1: invocations of the tracer's group. */
+    const struct {
+        VkBool32 more;
+        uint32_t lanes;
+    } values = {more, pipelines_reference_lanes(g)};
+    const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof more}, {1, sizeof more, sizeof values.lanes}};
+    const VkSpecializationInfo constants = {2, entries, sizeof values, &values};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[which].bytes,
                                             .pCode = shaders[which].words};

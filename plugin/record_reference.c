@@ -1,6 +1,7 @@
 /* A view of the reference: a slice of paths, then all pixels as they stand. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "blocks.h"
 #include "shared/phase.h"
@@ -9,7 +10,7 @@
 enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
-enum { SOFTWARE_GROUPS = 4, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 20 };
+enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 20 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
@@ -70,6 +71,12 @@ static bool is_software(const gpu *g) {
     return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
 }
 
+/* One work group for each thread: each takes paths as long as there are any. */
+static uint32_t software_groups(void) {
+    long threads = sysconf(_SC_NPROCESSORS_ONLN);
+    return threads < 1 ? 1 : threads > SOFTWARE_GROUPS_MAX ? SOFTWARE_GROUPS_MAX : (uint32_t)threads;
+}
+
 bool reference_init(view *v) {
     gpu *g = &v->eye->e->g;
     reference *r = &v->reference;
@@ -87,7 +94,7 @@ bool reference_init(view *v) {
     if (!init_storage(g, &r->paths, r->path_room * sizeof(velum_reference_path)) ||
         !init_storage(g, &r->pixels, pixels) ||
         !init_storage(g, &r->lanes,
-                      (software ? SOFTWARE_GROUPS : 1) * VELUM_REFERENCE_GROUP * sizeof(velum_reference_lane)) ||
+                      (software ? SOFTWARE_GROUPS_MAX : 1) * VELUM_REFERENCE_GROUP * sizeof(velum_reference_lane)) ||
         !init_storage(g, &r->error, 16)) {
         return false;
     }
@@ -298,8 +305,9 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     bind(e, commands, bound, false);
     if (paths > 0) {
         const bool software = is_software(g);
-        uint32_t groups = (paths + VELUM_REFERENCE_GROUP - 1) / VELUM_REFERENCE_GROUP;
-        uint32_t most = software ? SOFTWARE_GROUPS : GROUPS_MAX;
+        const uint32_t lanes = pipelines_reference_lanes(g);
+        uint32_t groups = (paths + lanes - 1) / lanes;
+        uint32_t most = software ? software_groups() : GROUPS_MAX;
         pass which = blocks_mix(e) ? PASS_REFERENCE_MIXED : PASS_REFERENCE;
         g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
         for (uint32_t i = 0; i < (software ? SOFTWARE_DISPATCHES : 1); i++) {

@@ -7,7 +7,7 @@
  * pixel and its own number alone. */
 #include "reference_cell.glsl"
 #include "shared/hash.h"
-layout(local_size_x = VELUM_REFERENCE_GROUP) in;
+layout(local_size_x_id = 1, local_size_y = 1) in;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) writeonly buffer paths_buffer {
     velum_reference_path paths[];
 };

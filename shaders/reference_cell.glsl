@@ -271,18 +271,19 @@ matter matter_at(vec3 r, stretch s, float choice) {
         for (uint rest = s.slots; rest != 0u; rest &= rest - 1u) {
             int slot = findLSB(rest);
             velum_slot_fields f = slot_fields(tile, slot, true);
-            float rank = 0.0;
-            float lump = 0.0;
-            float fine = 0.5;
+            bool even = slot >= VELUM_SLOT_UNIFORM && h >= f.base_m && h <= f.top_m && f.coverage >= 0.5;
+            float extinction = even ? f.extinction_1_m : 0.0;
             for (int twice = slot < VELUM_SLOT_UNIFORM ? 0 : 1; twice < 1; ++twice) {
-                rank = column_rank(slot, f, r, normal, h);
+                float rank = column_rank(slot, f, r, normal, h);
+                float lump = 0.0;
+                float fine = 0.5;
                 bool covered = velum_excess(velum_profile_of(slot, f), f.coverage, rank) > 0.0;
                 for (int thrice = covered ? 0 : 1; thrice < 1; ++thrice) {
                     lump = lump_noise(slot, f, r);
                     fine = fine_noise(slot, f, r);
                 }
+                extinction = velum_slot_extinction(slot, f, h, rank, lump, fine);
             }
-            float extinction = velum_slot_extinction(slot, f, h, rank, lump, fine);
             float scattering = extinction * eye.slots[slot].optics.x;
             m.cloud += scattering;
             m.cloud_loss += extinction - scattering;

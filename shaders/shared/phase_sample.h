@@ -87,8 +87,10 @@ VELUM_FN float velum_phase_draine_sample(float g, float alpha, float u) {
     float high = 1.0f;
     float v = 0.5f;
     float norm = 1.0f + alpha * (1.0f + 2.0f * g * g) * (1.0f / 3.0f);
-    float turn = 1.0f;
-    for (int i = 0; i < 16; ++i) {
+    float turn = velum_phase_hg_sample(g, u);
+    /* Nothing to be done without alpha: software devices would do it for all lanes. */
+    const int rounds = alpha != 0.0f ? 16 : 0;
+    for (int i = 0; i < rounds; ++i) {
         turn = velum_phase_hg_sample(g, v);
         float c = 1.0f - turn;
         float miss = velum_phase_draine_share(c, g, alpha) - u;
@@ -102,17 +104,8 @@ VELUM_FN float velum_phase_draine_sample(float g, float alpha, float u) {
 
 /* Chooses the lobe by `choice`, 0..1. */
 VELUM_FN float velum_phase_lobes_sample(velum_phase_lobes p, float choice, float u) {
-    float turn;
-    if (choice < p.weight_second) {
-        if (p.alpha_second == 0.0f) {
-            turn = velum_phase_hg_sample(p.g_second, u);
-        } else {
-            turn = velum_phase_draine_sample(p.g_second, p.alpha_second, u);
-        }
-    } else {
-        turn = velum_phase_hg_sample(p.g_first, u);
-    }
-    return turn;
+    bool second = choice < p.weight_second;
+    return velum_phase_draine_sample(second ? p.g_second : p.g_first, second ? p.alpha_second : 0.0f, u);
 }
 
 /* A table: values of the phase function, 1/sr, at `count` cosines that ascend from -1 to 1, linear between. The
