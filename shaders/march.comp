@@ -173,6 +173,7 @@ void main() {
     uint samples = 0u;
     uint light_samples = 0u;
     bool missing = false;
+    tile_place tile = tile_nowhere();
 
     /* Steps tile the ray; each is sampled at the same share of its length, another for each pixel and each round of
      * frames, in quarters: after four rounds all pixels, of whatever channel, have had the same. */
@@ -208,7 +209,7 @@ void main() {
         float h1 = h + rise * dt * (1.0 - offset);
         float low = min(h0, h1);
         float high = max(h0, h1);
-        tile_place tile = tile_find(normal, at);
+        tile = tile_move(tile, normal, at);
         missing = missing || tile.missing;
 
         /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
@@ -246,6 +247,7 @@ void main() {
         for (int once = covered && velum_shows_fine(at, eye.slots[slot].fine_0.w) ? 0 : 1; once < 1; ++once) {
             fine = fine_noise(slot, f, r);
         }
+        float margin = velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine);
         float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
         float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
         samples += within ? 1u : 0u;
@@ -255,8 +257,10 @@ void main() {
         float slab = looking && f.coverage >= 0.5 ? f.extinction_1_m * overlap : 0.0;
         extinction = uniform_layer ? slab : extinction;
 
-        /* The rank rises by at most about 1 over an eighth of the period. */
-        float gap = max(-e, 0.0) * f.coverage * 0.05 / eye.slots[slot].shape_0.w;
+        /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
+        float period_m = 1.0 / eye.slots[slot].shape_0.w;
+        float gap = max(-e, 0.0) * f.coverage * 0.05 * period_m;
+        float clear = covered ? max(-margin, 0.0) * 0.02 * period_m : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0);
         float own = f.coverage <= 0.0 ? 0.05 * at : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
@@ -265,7 +269,7 @@ void main() {
         hit.fields = f;
         hit.profile = profile;
         hit.excess = e;
-        hit.margin = max(velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine), 0.0);
+        hit.margin = max(margin, 0.0);
         hit.r = r;
         hit.normal = normal;
         hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
@@ -282,8 +286,9 @@ void main() {
             short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = found ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
-            float share = within && !found ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
-            position += found ? dt : max(dt * share, advance);
+            float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
+            float stride = covered ? clamp(clear, dt * share, long_dt) : dt * share;
+            position += found ? dt : max(stride, advance);
             advance = 1.0e9;
             done = 0u;
         }

@@ -86,7 +86,7 @@ void main() {
     vec3 d = vec3(0.0, 0.0, 1.0);
     float left_m = 0.0;
     bool grounded = false; /* the ray ends on the ground */
-    stretch s = stretch(0.0, 0.0, 0u, tile_place(VELUM_TILE_KEY_NONE, 0u, vec2(0.0), false));
+    stretch s = stretch(0.0, 0.0, 0u, tile_nowhere());
 
     vec3 weight = vec3(0.0);
     vec3 light = vec3(0.0);

@@ -198,7 +198,7 @@ stretch stretch_from(vec3 r, vec3 d, float left_m, inout bool missing) {
     stretch s;
     s.most_1_m = 0.0;
     s.slots = 0u;
-    s.tile = tile_place(VELUM_TILE_KEY_NONE, 0u, vec2(0.0), false);
+    s.tile = tile_nowhere();
     float reach = left_m;
     velum_place place = place_of(r);
     vec3 normal = vec3(place.nx, place.ny, place.nz);

@@ -86,8 +86,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv, 0.0);
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
-    float old_distance_m = data.r * distance_unit_m;
     float count = data.g;
+    /* Until a ray of its own has come, the distance is a neighbour's. */
+    float old_distance_m = count < 0.5 && own ? 0.0 : data.r * distance_unit_m;
 
     /* What this frame saw around the pixel bounds what can have been there. */
     vec4 low = fresh.light;

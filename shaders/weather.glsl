@@ -17,31 +17,35 @@ float velum_detail_at(float x, float y, float z) {
 layout(constant_id = 0) const bool velum_mixes = true;
 
 struct tile_place {
+    uint key;   /* asked for; VELUM_TILE_KEY_NONE: nothing yet */
     uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
     uint mask;  /* slots with cloud */
-    vec2 uv;    /* in a page */
+    float scale; /* of coordinates at the level asked for, to the page's */
+    vec2 uv;     /* in a page */
     bool missing;
 };
 
-tile_place tile_find(vec3 normal, float distance_m) {
-    velum_face_place face = velum_face_of(normal.x, normal.y, normal.z);
-    tile_place place = tile_place(VELUM_TILE_KEY_NONE, 0u, vec2(0.0), false);
-    int level = int(velum_tile_level(distance_m, eye.weather.x));
-    for (; level >= 0; --level) {
-        float x = velum_tile_coordinate(face.u, uint(level));
-        float y = velum_tile_coordinate(face.v, uint(level));
-        uint key = velum_tile_key(uint(level), uint(face.face), uint(x), uint(y));
-        uint index = velum_table_hash(key, eye.table.y);
+tile_place tile_nowhere() {
+    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, vec2(0.0), false);
+}
+
+/* The entry that stands for a place at a level, or for the finest coarser one that there is. */
+tile_place tile_look_up(velum_face_place face, int wanted, uint key) {
+    tile_place place = tile_nowhere();
+    place.key = key;
+    for (int level = wanted; level >= 0; --level) {
+        uint found_key = level == wanted ? key
+                                         : velum_tile_key(uint(level), uint(face.face),
+                                                          uint(velum_tile_coordinate(face.u, uint(level))),
+                                                          uint(velum_tile_coordinate(face.v, uint(level))));
+        uint index = velum_table_hash(found_key, eye.table.y);
         for (int probe = 0; probe < 64; ++probe) {
             uint word = eye.table.x + index * VELUM_TABLE_WORDS;
             uint found = table[word];
-            if (found == key) {
-                uint data_level = table[word + 1u];
-                float scale = 1.0 / float(1u << (uint(level) - data_level));
-                vec2 within = fract(vec2(x, y) * scale);
+            if (found == found_key) {
                 place.entry = word;
                 place.mask = table[word + 2u] & eye.table.z;
-                place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
+                place.scale = 1.0 / float(1u << (uint(wanted) - table[word + 1u]));
                 return place;
             }
             if (found == VELUM_TILE_KEY_NONE) {
@@ -52,6 +56,27 @@ tile_place tile_find(vec3 normal, float distance_m) {
         place.missing = true;
     }
     return place;
+}
+
+/* The tile under a place so far from the eye. `last` is that of another place: neighbours often share one, and then
+ * the table is not asked. */
+tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
+    velum_face_place face = velum_face_of(normal.x, normal.y, normal.z);
+    uint level = velum_tile_level(distance_m, eye.weather.x);
+    float x = velum_tile_coordinate(face.u, level);
+    float y = velum_tile_coordinate(face.v, level);
+    uint key = velum_tile_key(level, uint(face.face), uint(x), uint(y));
+    tile_place place = last;
+    for (int once = key == last.key ? 1 : 0; once < 1; ++once) {
+        place = tile_look_up(face, int(level), key);
+    }
+    vec2 within = fract(vec2(x, y) * place.scale);
+    place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
+    return place;
+}
+
+tile_place tile_find(vec3 normal, float distance_m) {
+    return tile_move(tile_nowhere(), normal, distance_m);
 }
 
 velum_slot_fields page_fields(uint page, vec2 uv) {
