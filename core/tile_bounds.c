@@ -46,7 +46,10 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
                                      : fmaxf(out->height[k], height[k]);
         }
         out->shape[0] = i == 0 ? p.power : fmaxf(out->shape[0], p.power);
-        out->shape[1] = i == 0 ? p.softness : fminf(out->shape[1], p.softness);
+        const float least[3] = {p.softness, p.amplitude, p.foot};
+        for (int k = 0; k < 3; k++) {
+            out->shape[k + 1] = i == 0 ? least[k] : fminf(out->shape[k + 1], least[k]);
+        }
     }
     if (!even && slot < VELUM_SLOT_UNIFORM) {
         out->most[0] *= SLACK;

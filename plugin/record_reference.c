@@ -7,10 +7,10 @@
 #include "shared/phase.h"
 #include "shared/reference.h"
 
-enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
+enum { PATHS_MAX = 1 << 17, PATHS_MIN = 32, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
-enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 20 };
+enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 48 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
@@ -19,28 +19,34 @@ enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 20
 #define NARROW_G 0.88f
 #define WORTH 0.1f
 
-static uint32_t wrap(int32_t i) {
-    return (uint32_t)i & (CORE_NOISE_SHAPE_SIDE - 1u);
+/* The greatest of the corners of each cell between the centres of neighbouring texels. */
+static void fill_cells(const uint8_t *texels, uint32_t side, uint8_t *out) {
+    const uint32_t last = side - 1;
+    for (uint32_t i = 0; i < side * side * side; i++) {
+        const uint32_t x = i % side;
+        const uint32_t y = i / side % side;
+        const uint32_t z = i / side / side;
+        uint8_t most = 0;
+        for (uint32_t k = 0; k < 8; k++) {
+            uint32_t at =
+                ((((z + (k >> 2)) & last) * side) + ((y + (k >> 1 & 1)) & last)) * side + ((x + (k & 1)) & last);
+            most = texels[at] > most ? texels[at] : most;
+        }
+        out[i] = most;
+    }
 }
 
-/* Trilinear filtering of coordinates within a block reads its own texels and the next one on. */
-static void fill_noise(const core_noise *noise, float *out) {
-    const int32_t side = VELUM_NOISE_BLOCK;
-    for (uint32_t i = 0; i < VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS; i++) {
-        const int32_t x0 = (int32_t)(i % VELUM_NOISE_BLOCKS) * side;
-        const int32_t y0 = (int32_t)(i / VELUM_NOISE_BLOCKS % VELUM_NOISE_BLOCKS) * side;
-        const int32_t z0 = (int32_t)(i / VELUM_NOISE_BLOCKS / VELUM_NOISE_BLOCKS) * side;
-        uint8_t most = 0;
-        for (int32_t z = z0; z <= z0 + side; z++) {
-            for (int32_t y = y0; y <= y0 + side; y++) {
-                for (int32_t x = x0; x <= x0 + side; x++) {
-                    uint8_t value =
-                        noise->shape[(wrap(z) * CORE_NOISE_SHAPE_SIDE + wrap(y)) * CORE_NOISE_SHAPE_SIDE + wrap(x)];
-                    most = value > most ? value : most;
-                }
-            }
-        }
-        out[i] = (float)most / 255.0f;
+static void fill_noise(const core_noise *noise, uint8_t *out) {
+    const uint32_t cells = VELUM_NOISE_SHAPE_CELLS;
+    const uint32_t blocks = VELUM_NOISE_SHAPE_BLOCKS;
+    fill_cells(noise->shape, cells, out);
+    fill_cells(noise->detail, VELUM_NOISE_DETAIL_CELLS, out + VELUM_NOISE_DETAIL_AT);
+    uint8_t *most = out + VELUM_NOISE_BLOCKS_AT;
+    memset(most, 0, (size_t)blocks * blocks * blocks);
+    for (uint32_t i = 0; i < cells * cells * cells; i++) {
+        const uint32_t shift = cells / blocks;
+        uint32_t block = (i / cells / cells / shift * blocks + i / cells % cells / shift) * blocks + i % cells / shift;
+        most[block] = out[i] > most[block] ? out[i] : most[block];
     }
 }
 
@@ -51,7 +57,7 @@ velum_result reference_enable(engine *e) {
         return result;
     }
     if (!e->noise_most.buffer) {
-        const VkDeviceSize bytes = sizeof(float) * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS * VELUM_NOISE_BLOCKS;
+        const VkDeviceSize bytes = VELUM_NOISE_MOST_BYTES;
         if (!gpu_buffer_init(g, &e->noise_most, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GPU_MEMORY_UPLOAD)) {
             return gpu_result(g);
         }

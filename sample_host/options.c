@@ -15,29 +15,35 @@ enum { TILES = 1 << COMMAND_TILES, CHECK = 1 << COMMAND_CHECK, ALL = PLAY | PROB
 typedef bool parse_value(struct options *options, const char *name, const char *value);
 
 void options_print_usage(void) {
-    fputs("velum-host play SCENARIO [--weather FILE]... [--out DIR] [--format png,exr] [--size WxH]\n"
-          "    [--channels a,b,c] [--at T | --from T --to T --fps F] [--settle N]\n"
-          "    [--pose lat,lon,height,heading,pitch,roll] [--quality low|medium|high|ultra|reference] [--spp N]\n"
-          "    [--device auto|cpu|INDEX] [--window] [--stats FILE] [--plugin PATH] [--validate]\n"
-          "    [--no-cache]\n"
-          "velum-host probe  SCENARIO --at T [--pose ...]     one JSON object: what the weather is there\n"
-          "velum-host shadow SCENARIO --at T --out FILE.exr   a cloud shadow map; its geometry as JSON on stdout\n"
-          "velum-host tiles  SCENARIO --at T --out DIR        the weather around the eye as pictures, with their "
-          "extents\n"
-          "velum-host check  SCENARIO [--weather FILE]...     reads everything, renders nothing\n"
-          "\n"
-          "Times are seconds of the scenario, heights metres above the ellipsoid, angles degrees.\n"
-          "play opens a window for each channel; with --out, or where there is no display, it writes\n"
-          "DIR/CHANNEL_NNNNNN.png|exr (DIR is 'out' if not given): without --at or --from the whole scenario at one "
-          "frame a\n"
-          "second of its time; --at T that one time, settled over 32 frames unless --settle says otherwise. With "
-          "--settle N\n"
-          "every picture starts anew and is the last of N frames. --to before --from plays backward.\n"
-          "EXR channels: R G B the light that cloud and air add (cd/m2), TR TG TB what they let through, A the mean of "
-          "that\n"
-          "weighted by luminance, Z the mean distance of cloud (m; 0: none). PNG: the composed, tone-mapped picture.\n"
-          "Keys in a window: space pauses, arrows seek, r reverses, q and Escape close.\n",
-          stdout);
+    fputs(
+        "velum-host play SCENARIO [--weather FILE]... [--out DIR] [--format png,exr] [--size WxH]\n"
+        "    [--channels a,b,c] [--at T | --from T --to T --fps F] [--settle N]\n"
+        "    [--pose lat,lon,height,heading,pitch,roll] [--quality low|medium|high|ultra|reference] [--spp N]\n"
+        "    [--error E] [--device auto|cpu|INDEX] [--window] [--stats FILE] [--plugin PATH] [--validate]\n"
+        "    [--no-cache]\n"
+        "velum-host probe  SCENARIO --at T [--pose ...]     one JSON object: what the weather is there\n"
+        "velum-host shadow SCENARIO --at T --out FILE.exr   a cloud shadow map; its geometry as JSON on stdout\n"
+        "velum-host tiles  SCENARIO --at T --out DIR        the weather around the eye as pictures, with their "
+        "extents\n"
+        "velum-host check  SCENARIO [--weather FILE]...     reads everything, renders nothing\n"
+        "\n"
+        "Times are seconds of the scenario, heights metres above the ellipsoid, angles degrees.\n"
+        "play opens a window for each channel; with --out, or where there is no display, it writes\n"
+        "DIR/CHANNEL_NNNNNN.png|exr (DIR is 'out' if not given): without --at or --from the whole scenario at one "
+        "frame a\n"
+        "second of its time; --at T that one time, settled over 32 frames unless --settle says otherwise. With "
+        "--settle N\n"
+        "every picture starts anew and is the last of N frames. --to before --from plays backward.\n"
+        "EXR channels: R G B the light that cloud and air add (cd/m2), TR TG TB what they let through, A the mean of "
+        "that\n"
+        "weighted by luminance, Z the mean distance of cloud (m; 0: none); of the reference also V, the variance of "
+        "the mean\n"
+        "luminance. PNG: the composed, tone-mapped picture.\n"
+        "The reference stops at --spp N paths a pixel or at a mean relative standard error of --error E, whichever is "
+        "first;\n"
+        "without either at 64 paths.\n"
+        "Keys in a window: space pauses, arrows seek, r reverses, q and Escape close.\n",
+        stdout);
 }
 
 static bool parse_number(const char *text, double low, double high, double *out) {
@@ -215,6 +221,11 @@ static bool set_spp(struct options *options, const char *name, const char *value
     return parse_count(value, 1, 1000000, &options->spp) || expected(name, value, "samples a pixel, 1 or more");
 }
 
+static bool set_error(struct options *options, const char *name, const char *value) {
+    return parse_number(value, 1e-6, 1, &options->error) ||
+           expected(name, value, "a relative standard error, above 0, at most 1");
+}
+
 static bool set_device(struct options *options, const char *name, const char *value) {
     uint32_t index = 0;
     if (strcmp(value, "auto") == 0) {
@@ -278,6 +289,7 @@ static const struct {
     {"--pose", PLAY | PROBE | SHADOW | TILES, true, set_pose},
     {"--quality", PLAY, true, set_quality},
     {"--spp", PLAY, true, set_spp},
+    {"--error", PLAY, true, set_error},
     {"--device", PLAY | SHADOW, true, set_device},
     {"--window", PLAY, false, set_window},
     {"--stats", PLAY, true, set_stats},
@@ -326,6 +338,8 @@ static bool check_together(const struct options *options) {
         error = "--at does not go with --from, --to or --fps";
     } else if (options->spp > 0 && options->quality != VELUM_QUALITY_REFERENCE) {
         error = "--spp needs --quality reference";
+    } else if (options->error > 0 && options->quality != VELUM_QUALITY_REFERENCE) {
+        error = "--error needs --quality reference";
     } else if (options->window && (options->out || options->exr)) {
         error = "--window does not go with --out or --format exr";
     } else if (options->window && (options->has_at || options->settle > 0)) {

@@ -28,7 +28,8 @@ struct options {
     bool has_pose;
     velum_scenario_camera pose;
     int32_t quality; /* VELUM_QUALITY_* */
-    uint32_t spp;    /* 0: not given */
+    uint32_t spp;    /* of the reference; 0: not given */
+    double error;    /* relative, at which the reference stops; 0: not given */
     int32_t device;  /* index, DEVICE_AUTO or DEVICE_CPU */
     bool window;
     bool validate;

@@ -18,7 +18,9 @@
 enum {
     SETTLE_ONE = 32,   /* frames of a single picture: each pixel is marched in 1 of 16 frames, so twice */
     SETTLE_FIRST = 16, /* frames before the first picture of a sequence */
-    PICTURES_MAX = 1000000
+    PICTURES_MAX = 1000000,
+    REFERENCE_PATHS = 64, /* a pixel, where nothing is asked for */
+    REFERENCE_LEAST = 8   /* before its error is believed */
 };
 
 bool play_times(const struct options *options, double duration_s, struct play_times *out) {
@@ -51,16 +53,27 @@ static bool write_png(const struct renderer_channel *channel, const char *path, 
     return png_write(path, channel->width, channel->height, 3, pixels);
 }
 
-static bool write_exr(const struct renderer_channel *channel, const char *path) {
+/* The presets know no variance. */
+static bool write_exr(const struct renderer_channel *channel, const char *path, bool reference) {
     const char *mapped = channel->readback.mapped;
     const float *luminance = (const float *)(mapped + channel->luminance_at);
     const float *transmittance = (const float *)(mapped + channel->transmittance_at);
     const float *distance = (const float *)(mapped + channel->distance_at);
+    const float *variance = (const float *)(mapped + channel->variance_at);
     const struct exr_channel channels[] = {
-        {"A", transmittance + 3, 4},  {"B", luminance + 2, 4},      {"G", luminance + 1, 4},  {"R", luminance, 4},
-        {"TB", transmittance + 2, 4}, {"TG", transmittance + 1, 4}, {"TR", transmittance, 4}, {"Z", distance, 1},
+        {"A", transmittance + 3, 4}, {"B", luminance + 2, 4},      {"G", luminance + 1, 4},
+        {"R", luminance, 4},         {"TB", transmittance + 2, 4}, {"TG", transmittance + 1, 4},
+        {"TR", transmittance, 4},    {"V", variance, 1},           {"Z", distance, 1},
     };
-    return exr_write(path, channel->width, channel->height, channels, sizeof channels / sizeof channels[0]);
+    const uint32_t count = sizeof channels / sizeof channels[0];
+    struct exr_channel written[sizeof channels / sizeof channels[0]];
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (reference || channels[i].data != variance) {
+            written[used++] = channels[i];
+        }
+    }
+    return exr_write(path, channel->width, channel->height, written, used);
 }
 
 static bool write_pictures(const struct renderer *renderer, const struct options *options, const char *folder,
@@ -73,11 +86,61 @@ static bool write_pictures(const struct renderer *renderer, const struct options
             return false;
         }
         snprintf(name, sizeof name, "%s_%06llu.exr", channel->info.name, (unsigned long long)picture);
-        if (options->exr && !(files_join(folder, name, path) && write_exr(channel, path))) {
+        if (options->exr && !(files_join(folder, name, path) &&
+                              write_exr(channel, path, options->quality == VELUM_QUALITY_REFERENCE))) {
             return false;
         }
     }
     return true;
+}
+
+/* Thousandths of what is asked of the reference that all channels have; 1000: enough. */
+static bool reference_progress(const struct options *options, const struct renderer *renderer, uint32_t *out) {
+    struct plugin *plugin = &renderer->scene->plugin;
+    *out = 1000;
+    for (uint32_t i = 0; i < renderer->channel_count; i++) {
+        velum_view_stats view = {.struct_size = sizeof view};
+        velum_result result = plugin->engine->get_stats(renderer->channels[i].view, &view);
+        if (result < 0) {
+            plugin_report(plugin, "statistics", result);
+            return false;
+        }
+        double share = 0;
+        if (renderer->path_limit > 0) {
+            share = (double)view.paths_per_pixel / (double)renderer->path_limit;
+        }
+        /* A picture of few paths does not know its error yet. */
+        if (options->error > 0 && view.paths_per_pixel >= REFERENCE_LEAST) {
+            double ratio = options->error / fmax((double)view.relative_error, 1e-9);
+            share = fmax(share, fmin(ratio * ratio, 1));
+        }
+        *out = (uint32_t)fmin((double)*out, floor(1000 * fmin(share, 1)));
+    }
+    return true;
+}
+
+/* The reference at one time: frames until it has what was asked for; the newest is read back. */
+static bool play_reference(const struct options *options, struct renderer *renderer, struct frame_request *request,
+                           struct stats *stats, struct progress *progress, uint64_t picture) {
+    uint32_t share = 0;
+    request->reset = true;
+    for (uint32_t k = 0;; k++) {
+        double start_ms = now_ms();
+        request->read_back = share == 1000;
+        if (!renderer_record(renderer, request) || !renderer_submit(renderer, NULL, 0, NULL, 0) ||
+            !renderer_wait(renderer) ||
+            !stats_write(stats, renderer, picture, k, request->time_s, now_ms() - start_ms)) {
+            return false;
+        }
+        if (request->read_back) {
+            return true;
+        }
+        request->reset = false;
+        if (!reference_progress(options, renderer, &share)) {
+            return false;
+        }
+        progress_update(progress, 1000 * picture + share);
+    }
 }
 
 static bool play_pictures(const struct options *options, struct renderer *renderer, const struct play_times *times,
@@ -98,11 +161,16 @@ static bool play_pictures(const struct options *options, struct renderer *render
         free(pixels);
         return false;
     }
-    progress_start(progress, settle_first + (times->count - 1) * settle_next);
+    bool reference = options->quality == VELUM_QUALITY_REFERENCE;
+    renderer->path_limit = options->spp == 0 && options->error == 0 ? REFERENCE_PATHS : options->spp;
+    progress_start(progress, reference ? 1000 * times->count : settle_first + (times->count - 1) * settle_next);
     for (uint64_t i = 0; i < times->count; i++) {
         uint32_t settle = i == 0 ? settle_first : settle_next;
         request.time_s = times->from_s + (double)i * times->step_s;
-        for (uint32_t k = 0; k < settle; k++) {
+        if (reference && !play_reference(options, renderer, &request, stats, progress, i)) {
+            goto error;
+        }
+        for (uint32_t k = 0; !reference && k < settle; k++) {
             double start_ms = now_ms();
             request.reset = k == 0 && (anew || i == 0);
             request.read_back = k + 1 == settle;

@@ -187,6 +187,7 @@ static velum_result record_view(struct renderer *renderer, struct renderer_chann
                                         .luminance = channel->luminance.view,
                                         .transmittance = channel->transmittance.view,
                                         .distance = channel->distance.view,
+                                        .variance = channel->variance.view,
                                         .depth = channel->depth.view,
                                         .depth_layout = VK_IMAGE_LAYOUT_GENERAL,
                                         .format = channel->luminance.format,
@@ -201,6 +202,7 @@ static void place_views(struct renderer *renderer, const struct frame_request *r
     for (uint32_t i = 0; i < renderer->channel_count; i++) {
         struct renderer_channel *channel = &renderer->channels[i];
         view_geometry_frame(&renderer->pose, &channel->info, channel->width, channel->height, &channel->frame);
+        channel->frame.path_limit = renderer->path_limit;
         channel->frame.luminance_scale = renderer->full_precision ? 1 : request->exposure;
         if (!scenario->atmosphere_none) {
             channel->frame.flags |= VELUM_VIEW_SUN_DISC;
@@ -218,6 +220,7 @@ static void copy_back(struct renderer *renderer, VkCommandBuffer commands) {
         gpu_copy_image(commands, &channel->luminance, &channel->readback, channel->luminance_at);
         gpu_copy_image(commands, &channel->transmittance, &channel->readback, channel->transmittance_at);
         gpu_copy_image(commands, &channel->distance, &channel->readback, channel->distance_at);
+        gpu_copy_image(commands, &channel->variance, &channel->readback, channel->variance_at);
     }
     gpu_barrier(commands, transfer_stage, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
                 VK_ACCESS_2_HOST_READ_BIT);
@@ -248,8 +251,9 @@ VkCommandBuffer renderer_record(struct renderer *renderer, const struct frame_re
             struct renderer_channel *channel = &renderer->channels[i];
             const VkImage images[] = {channel->colour.handle,    channel->depth.handle,
                                       channel->luminance.handle, channel->transmittance.handle,
-                                      channel->distance.handle,  channel->picture.handle};
-            for (int k = 0; k < 6; k++) {
+                                      channel->distance.handle,  channel->picture.handle,
+                                      channel->variance.handle};
+            for (int k = 0; k < 7; k++) {
                 gpu_image_to_general(commands, images[k]);
             }
         }

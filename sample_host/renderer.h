@@ -15,10 +15,11 @@ struct renderer_channel {
     velum_scenario_channel info;
     uint32_t width, height;
     velum_view *view;
-    struct gpu_image colour, depth, luminance, transmittance, distance, picture;
-    /* picture (RGBA, 8 bits); in full precision also luminance, transmittance (RGBA, float), distance (float) */
+    struct gpu_image colour, depth, luminance, transmittance, distance, variance, picture;
+    /* picture (RGBA, 8 bits); in full precision also luminance, transmittance (RGBA, float), distance,
+     * variance (float) */
     struct gpu_buffer readback;
-    VkDeviceSize luminance_at, transmittance_at, distance_at;
+    VkDeviceSize luminance_at, transmittance_at, distance_at, variance_at;
     struct gpu_buffer arguments[RENDERER_SLOTS_MAX], overlay[RENDERER_SLOTS_MAX];
     VkDescriptorSet sets[RENDERER_SLOTS_MAX];
     velum_view_frame frame;
@@ -50,7 +51,8 @@ struct renderer {
     struct gpu_pipeline ground, ground_depth, compose;
     struct eye_pose pose; /* of the newest frame */
     bool full_precision;
-    bool incomplete; /* the newest frame lacked tiles */
+    uint32_t path_limit; /* of the reference; 0: none */
+    bool incomplete;     /* the newest frame lacked tiles */
 };
 
 struct renderer_info {

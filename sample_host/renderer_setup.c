@@ -106,11 +106,6 @@ static bool create_engine(struct renderer *renderer, const struct renderer_info 
         const velum_eye_desc eye = {.struct_size = sizeof eye, .quality = info->options->quality};
         what = "eye";
         result = plugin->engine->create_eye(renderer->engine, &eye, &renderer->eye);
-        if (result == VELUM_ERROR_UNSUPPORTED && info->options->quality == VELUM_QUALITY_REFERENCE) {
-            report_error("--quality reference: this plugin does not support it");
-            plugin->message[0] = '\0';
-            return false;
-        }
     }
     if (result >= 0) {
         const velum_shadow_desc shadow = {.struct_size = sizeof shadow};
@@ -139,6 +134,7 @@ static bool create_images(struct renderer *renderer, struct renderer_channel *ch
         !gpu_image_create(device, width, height, colour, &channel->luminance) ||
         !gpu_image_create(device, width, height, colour, &channel->transmittance) ||
         !gpu_image_create(device, width, height, VK_FORMAT_R32_SFLOAT, &channel->distance) ||
+        !gpu_image_create(device, width, height, VK_FORMAT_R32_SFLOAT, &channel->variance) ||
         !gpu_image_create(device, width, height, VK_FORMAT_R8G8B8A8_UNORM, &channel->picture)) {
         return false;
     }
@@ -155,7 +151,8 @@ static bool create_images(struct renderer *renderer, struct renderer_channel *ch
     channel->luminance_at = (pixels * 4 + 15) / 16 * 16;
     channel->transmittance_at = channel->luminance_at + pixels * texel;
     channel->distance_at = channel->transmittance_at + pixels * texel;
-    return !readback || gpu_buffer_create(device, channel->distance_at + pixels * texel / 4,
+    channel->variance_at = channel->distance_at + pixels * texel / 4;
+    return !readback || gpu_buffer_create(device, channel->variance_at + pixels * texel / 4,
                                           VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &channel->readback);
 }
 
@@ -313,6 +310,7 @@ static void finish_channel(struct renderer *renderer, struct renderer_channel *c
     gpu_image_destroy(device, &channel->luminance);
     gpu_image_destroy(device, &channel->transmittance);
     gpu_image_destroy(device, &channel->distance);
+    gpu_image_destroy(device, &channel->variance);
     gpu_image_destroy(device, &channel->picture);
     gpu_buffer_destroy(device, &channel->readback);
     for (uint32_t s = 0; s < RENDERER_SLOTS_MAX; s++) {

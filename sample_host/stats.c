@@ -62,6 +62,8 @@ static void set_view_stats(json_t *object, const velum_view_stats *view) {
     json_object_set_new(object, "shared_ms", json_number((double)view->shared_ms));
     json_object_set_new(object, "shadow_ms", json_number((double)view->shadow_ms));
     json_object_set_new(object, "weather_bytes", json_integer((json_int_t)view->weather_bytes));
+    json_object_set_new(object, "paths_per_pixel", json_integer(view->paths_per_pixel));
+    json_object_set_new(object, "relative_error", json_number((double)view->relative_error));
     json_object_set_new(object, "view_bytes", json_integer((json_int_t)view->view_bytes));
 }
 

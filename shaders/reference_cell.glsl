@@ -12,7 +12,7 @@ layout(set = 1, binding = VELUM_BIND_REFERENCE_BOUNDS, std430) readonly buffer b
     velum_page_bounds page_bounds[];
 };
 layout(set = 1, binding = VELUM_BIND_REFERENCE_NOISE, std430) readonly buffer noise_buffer {
-    float noise_most[];
+    uint noise_most[];
 };
 
 /* Heights count as inside a layer from so far outside, so that a step of this length misses none. */
@@ -87,16 +87,17 @@ float tile_distance(vec3 r, vec3 d, vec3 normal, float height_m) {
     return along < 0.0 && in_root > 0.0 && low > 0.0 ? min(t, -along - sqrt(in_root)) : t;
 }
 
-/* Greatest rank of a block of the noise at q, which moves by v a metre; t: until the block is left. */
-float block_rank(vec3 q, vec3 v, inout float t) {
-    vec3 place = q * float(VELUM_NOISE_BLOCKS) - 0.5 / float(VELUM_NOISE_BLOCK);
+/* Greatest value of a noise in the cell about q, which moves by v a metre; t: until the cell is left. */
+float noise_cell(vec3 q, vec3 v, int cells, float to_centre, int first, inout float t) {
+    vec3 place = q * float(cells) - to_centre;
     vec3 whole = floor(place);
     vec3 within = place - whole;
     vec3 way = mix(within, 1.0 - within, greaterThan(v, vec3(0.0)));
-    vec3 steps = way / max(abs(v) * float(VELUM_NOISE_BLOCKS), vec3(1e-12));
+    vec3 steps = way / max(abs(v) * float(cells), vec3(1e-12));
     t = min(t, min(steps.x, min(steps.y, steps.z)));
-    ivec3 i = ivec3(whole) & (VELUM_NOISE_BLOCKS - 1);
-    return noise_most[(i.z * VELUM_NOISE_BLOCKS + i.y) * VELUM_NOISE_BLOCKS + i.x];
+    ivec3 i = ivec3(whole) & (cells - 1);
+    uint at = uint(first + (i.z * cells + i.y) * cells + i.x);
+    return float((noise_most[at >> 2u] >> (8u * (at & 3u))) & 255u) * (1.0 / 255.0);
 }
 
 /* What the pages of a slot allow, two weather states together. */
@@ -138,16 +139,39 @@ float slot_most(int slot, tile_place tile, velum_page_bounds bounds, vec3 r, vec
     float stretch_z = eye.slots[slot].bounds.z;
     vec4 phase = eye.slots[slot].shape_0;
     vec3 v = noise_place(drift, vec4(0.0, 0.0, 0.0, phase.w), stretch_z);
+    vec3 q0 = noise_place(foot - wind * eye.weather.z, phase, stretch_z);
+    vec3 q1 = velum_mixes ? noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch_z) : q0;
     float t = far_m;
-    float rank = block_rank(noise_place(foot - wind * eye.weather.z, phase, stretch_z), v, t);
+    float rank = noise_cell(q0, v, VELUM_NOISE_SHAPE_BLOCKS, 0.0625, VELUM_NOISE_BLOCKS_AT, t);
     if (velum_mixes) {
-        phase = eye.slots[slot].shape_1;
-        float other = block_rank(noise_place(foot - wind * eye.weather.w, phase, stretch_z), v, t);
-        rank = velum_rank_mix(rank, other, eye.drift.x);
+        rank = velum_rank_mix(rank, noise_cell(q1, v, VELUM_NOISE_SHAPE_BLOCKS, 0.0625, VELUM_NOISE_BLOCKS_AT, t),
+                              eye.drift.x);
     }
-    reach = min(reach, t);
     float c = bounds.most.x;
     float excess = (rank - 1.0 + c) / max(c, 1e-6);
+    if (excess > 0.0) {
+        t = far_m;
+        rank = noise_cell(q0, v, VELUM_NOISE_SHAPE_CELLS, 0.5, 0, t);
+        if (velum_mixes) {
+            rank = velum_rank_mix(rank, noise_cell(q1, v, VELUM_NOISE_SHAPE_CELLS, 0.5, 0, t), eye.drift.x);
+        }
+        excess = (rank - 1.0 + c) / max(c, 1e-6);
+    }
+    reach = min(reach, t);
+    if (excess <= 0.0) {
+        return 0.0;
+    }
+    vec3 own = r - wind * eye.weather.z;
+    vec3 turn = noise_place(d, vec4(0.0, 0.0, 0.0, eye.slots[slot].lump_0.w), 1.0);
+    float lump = noise_cell(noise_place(own, eye.slots[slot].lump_0, 1.0), turn, VELUM_NOISE_DETAIL_CELLS, 0.5,
+                            VELUM_NOISE_DETAIL_AT, reach);
+    if (velum_mixes) {
+        own = r - wind * eye.weather.w;
+        lump = velum_detail_mix(lump, noise_cell(noise_place(own, eye.slots[slot].lump_1, 1.0), turn,
+                                                 VELUM_NOISE_DETAIL_CELLS, 0.5, VELUM_NOISE_DETAIL_AT, reach),
+                                eye.drift.x);
+    }
+    excess -= bounds.shape.z * bounds.shape.w * max(1.6 - 2.0 * lump, 0.0);
     if (excess <= 0.0) {
         return 0.0;
     }

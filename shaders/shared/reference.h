@@ -8,21 +8,28 @@
 #define VELUM_BIND_REFERENCE_PATHS 1  /* storage: velum_reference_path for each path of the slice */
 #define VELUM_BIND_REFERENCE_PIXELS 2 /* storage: velum_reference_pixel for each pixel of the view */
 #define VELUM_BIND_REFERENCE_BOUNDS 3 /* storage: velum_page_bounds for each page */
-#define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest value of the shape noise in each block of texels */
+#define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest values of the noises, VELUM_NOISE_* */
 #define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
 #define VELUM_BIND_REFERENCE_ERROR 6 /* storage: relative error */
-#define VELUM_BIND_REFERENCE_LANES 7 /* storage: velum_reference_lane for each invocation, where they are interrupted  \
-                                      */
+#define VELUM_BIND_REFERENCE_LANES                                                                                     \
+    7 /* storage: velum_reference_lane for each invocation, where they are interrupted                                 \
+       */
 
-/* A block of the shape noise: so many texels a side, so many blocks a side of the volume. */
-#define VELUM_NOISE_BLOCK 4
-#define VELUM_NOISE_BLOCKS 32
+/* Greatest values of the noises, a byte each, 255: 1, where filtering can read them: between the centres of
+ * neighbouring texels of the shape; over blocks of 8 such cells a side; between those of the detail. Places in bytes.
+ */
+#define VELUM_NOISE_SHAPE_CELLS 128
+#define VELUM_NOISE_SHAPE_BLOCKS 16
+#define VELUM_NOISE_DETAIL_CELLS 32
+#define VELUM_NOISE_BLOCKS_AT (128 * 128 * 128)
+#define VELUM_NOISE_DETAIL_AT (VELUM_NOISE_BLOCKS_AT + 16 * 16 * 16)
+#define VELUM_NOISE_MOST_BYTES (VELUM_NOISE_DETAIL_AT + 32 * 32 * 32)
 
 /* What holds for a slot anywhere in a page. */
 VELUM_STRUCT(velum_page_bounds) {
     VELUM_VEC4(most);   /* effective coverage; extinction before height is counted, 1/m; growth; reach, lowest */
     VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */
-    VELUM_VEC4(shape);  /* greatest power; least softness; 0; 0 */
+    VELUM_VEC4(shape);  /* greatest power; least softness, amplitude and foot */
 };
 
 /* What one path found. */
