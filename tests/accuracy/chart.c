@@ -69,7 +69,7 @@ static uint32_t collect(const program *p, point *points) {
         }
         points[k].ms += m->ms_per_megapixel;
         points[k].samples += m->samples + m->light_samples;
-        points[k].square += m->m.error_corrected * m->m.error_corrected;
+        points[k].square += program_error(p, m) * program_error(p, m);
         points[k].scenes++;
     }
     for (uint32_t k = 0; k < count; k++) {
@@ -158,9 +158,10 @@ static bool draw_group(const program *p, const char *group, const point *points,
     fprintf(file,
             "set logscale xy\nset autoscale noextend\nset grid\nset key outside below\nset title \"%s\"\nset xlabel "
             "\"%s\"\n"
-            "set ylabel \"relative root mean square error of luminance\"\nset offsets graph 0.08, graph 0.08, graph "
+            "set ylabel \"relative root mean square error of luminance%s\"\nset offsets graph 0.08, graph 0.08, graph "
             "0.08, graph 0.08\n",
-            group, by_ms ? "ms a megapixel" : "samples a pixel and frame, along rays and towards the sun");
+            group, by_ms ? "ms a megapixel" : "samples a pixel and frame, along rays and towards the sun",
+            p->by_pixel ? "" : ", means over 8 x 8");
     for (int png = 0; png < 2; png++) {
         fprintf(file, "set terminal %s\nset output \"%s/%s_%s.%s\"\nplot ",
                 png ? "pngcairo size 800,560" : "svg size 800,560 dynamic background \"white\"", p->folder, group, axis,
@@ -188,14 +189,15 @@ static const measurement *preset_of(const program *p, const char *scene, int32_t
 
 static void write_presets(const program *p, FILE *file) {
     fprintf(file,
-            "Of %u x %u pixels, on %s: error (noise of the reference subtracted), bias, ms a megapixel. The "
-            "reference's noise stands last.\n\n| scene |",
+            "Of %u x %u pixels, on %s: error of means over 8 x 8 pixels and of pixels (noise of the "
+            "reference subtracted), bias, ms a megapixel. The reference's noise stands last, of both.\n\n| scene |",
             p->reference.width, p->reference.height, p->s.device_name);
     for (int32_t q = VELUM_QUALITY_LOW; q <= VELUM_QUALITY_ULTRA; q++) {
-        fprintf(file, " %s: error | bias | ms |", measure_preset(q));
+        fprintf(file, " %s: 8 x 8 | pixels | bias | ms |", measure_preset(q));
     }
-    fprintf(file, " noise |\n|%s\n",
-            " --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    fprintf(
+        file, " noise |\n|%s\n",
+        " --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for (const scene_row *row = scene_rows; row->name; row++) {
         const measurement *last = NULL;
         for (int32_t q = VELUM_QUALITY_LOW; q <= VELUM_QUALITY_ULTRA; q++) {
@@ -204,14 +206,15 @@ static void write_presets(const program *p, FILE *file) {
                 fprintf(file, "| %s |", row->name);
             }
             if (m) {
-                fprintf(file, " %.3f | %+.3f | %.0f |", m->m.error_corrected, m->m.bias, m->ms_per_megapixel);
+                fprintf(file, " %.3f | %.3f | %+.3f | %.0f |", m->m_8.error_corrected, m->m.error_corrected, m->m.bias,
+                        m->ms_per_megapixel);
             } else if (last) {
-                fprintf(file, " - | - | - |");
+                fprintf(file, " - | - | - | - |");
             }
             last = m ? m : last;
         }
         if (last) {
-            fprintf(file, " %.3f%s |\n", last->m.noise, last->stand_in ? " (stand-in)" : "");
+            fprintf(file, " %.3f, %.3f%s |\n", last->m_8.noise, last->m.noise, last->stand_in ? " (stand-in)" : "");
         }
     }
 }
@@ -249,11 +252,12 @@ static bool write_page(const program *p, const point *points, uint32_t count) {
         const measurement *m = preset_of(p, row->name, VELUM_QUALITY_MEDIUM);
         if (m) {
             fprintf(file,
-                    "<tr><td>%s<br>%s<br>error %.3f, bias %+.3f<br>99 %% within %.3f<br>noise %.3f%s<td><img class=p "
+                    "<tr><td>%s<br>%s<br>error %.3f (8 x 8: %.3f), bias %+.3f<br>99 %% within %.3f<br>noise %.3f (8 x "
+                    "8: %.3f)%s<td><img class=p "
                     "src=\"%s_ours.png\"><td><img class=p src=\"%s_reference.png\"><td><img class=p "
                     "src=\"%s_difference.png\">\n",
-                    row->name, row->about, m->m.error_corrected, m->m.bias, m->m.p99, m->m.noise,
-                    m->stand_in ? " (stand-in)" : "", row->name, row->name, row->name);
+                    row->name, row->about, m->m.error_corrected, m->m_8.error_corrected, m->m.bias, m->m.p99,
+                    m->m.noise, m->m_8.noise, m->stand_in ? " (stand-in)" : "", row->name, row->name, row->name);
         }
     }
     fprintf(file, "</table>\n");

@@ -7,18 +7,21 @@
 #include "program.h"
 
 static int usage(int status) {
-    fprintf(status ? stderr : stdout,
-            "velum-accuracy list\n"
-            "velum-accuracy run [--scene S]... [--preset P]... [--method M] [--json]\n"
-            "velum-accuracy chart DIR [--scene S]... [--method M]\n"
-            "velum-accuracy stability [--scene CASE]...\n"
-            "  --size WxH      of pictures (160x90)\n"
-            "  --error E       a reference stops at this noise of means over 8 x 8 pixels (0.01)...\n"
-            "  --seconds N     ... or after so long (60)\n"
-            "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
-            "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
-            "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
-            "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done.\n");
+    fprintf(
+        status ? stderr : stdout,
+        "velum-accuracy list\n"
+        "velum-accuracy run [--scene S]... [--preset P]... [--method M] [--json]\n"
+        "velum-accuracy chart DIR [--scene S]... [--method M]\n"
+        "velum-accuracy stability [--scene CASE]...\n"
+        "  --size WxH      of pictures (160x90)\n"
+        "  --pixels        charts by the error of pixels; without it by that of means over 8 x 8, which the noise of\n"
+        "                  a reference of seconds does not drown\n"
+        "  --error E       a reference stops at this noise of means over 8 x 8 pixels (0.01)...\n"
+        "  --seconds N     ... or after so long (60)\n"
+        "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
+        "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
+        "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
+        "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done.\n");
     return status;
 }
 
@@ -185,6 +188,9 @@ int main(int argc, char **argv) {
     while (at < argc) {
         if (strcmp(argv[at], "--json") == 0) {
             p.json = true;
+            at++;
+        } else if (strcmp(argv[at], "--pixels") == 0) {
+            p.by_pixel = true;
             at++;
         } else if (at + 1 < argc && parse_option(&p, argv[at], argv[at + 1], command == 3, &device)) {
             at += 2;

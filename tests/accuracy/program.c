@@ -3,6 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+double program_error(const program *p, const measurement *m) {
+    return p->by_pixel ? m->m.error_corrected : m->m_8.error_corrected;
+}
+
 bool program_wants(const program *p, const scene_row *scene) {
     for (uint32_t i = 0; i < p->scene_count; i++) {
         if (strcmp(p->scenes[i], scene->name) == 0) {

@@ -20,12 +20,15 @@ struct program {
     const char *method; /* null: presets alone; "all", a group, a curve's name */
     bool json;
     const char *folder; /* of chart and tables */
+    bool by_pixel;      /* charts and published figures by the error of pixels instead of means over 8 x 8 */
     program_picture_fn on_picture;
     measurement *results;
     uint32_t result_count, result_capacity;
     uint32_t skipped, failed;
 };
 
+/* The error that is charted, noise of the reference subtracted. */
+double program_error(const program *p, const measurement *m);
 bool program_wants(const program *p, const scene_row *scene);
 /* Presets (if `presets`) and methods that match p->method on one scene; into p->results. */
 void program_run_scene(program *p, const scene_row *scene, bool presets);

@@ -74,7 +74,7 @@ static bool ours(const program *p, const published_row *row, double *ms, double 
         if (strcmp(m->group, row->group) == 0 && strcmp(m->name, row->name) == 0 &&
             fabs(m->value - row->value) <= 1e-6 * fabs(row->value)) {
             *ms += m->ms_per_megapixel;
-            *error += m->m.error_corrected * m->m.error_corrected;
+            *error += program_error(p, m) * program_error(p, m);
             count++;
         }
     }
