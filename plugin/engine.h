@@ -73,7 +73,9 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which);
 typedef struct frame_record {
     view *v;        /* null: destroyed since */
     uint32_t query; /* first of three; FRAME_QUERIES: none */
-    uint32_t paths; /* of the reference that were begun */
+    uint64_t slice; /* of the reference; 0: none */
+    uint32_t paths; /* that it has */
+    uint32_t rounds;
     velum_view_stats stats;
 } frame_record;
 
@@ -174,15 +176,19 @@ typedef struct reference_key {
     uint64_t state[2], tables;
 } reference_key;
 
-/* A view's accumulation. */
+/* A view's accumulation. A slice of paths may take several frames: what it has come to is learnt when they are done. */
 typedef struct reference {
-    gpu_buffer paths, pixels, error, lanes;
+    gpu_buffer paths, pixels, slice_words, lanes;
     uint32_t path_room; /* paths of a slice at most */
-    uint32_t budget;    /* paths that a submission has time for */
-    uint32_t turn;      /* of the pixels (shared/reference.h): first of the next slice */
+    uint32_t rounds;    /* of a lane's loop that a submission has time for, on software devices */
+    uint64_t slice;     /* number of the present one; 0: none */
+    bool begun;         /* it has been recorded before */
+    bool complete;      /* and is done */
+    uint32_t turn;      /* of the pixels (shared/reference.h): first of the slice */
+    uint32_t turns;     /* of the slice */
     uint32_t done;      /* paths that each pixel has had */
     uint32_t paths_now; /* for each pixel in this round */
-    bool has_error;
+    uint32_t side;      /* of the turns */
     reference_key *key; /* null: nothing yet */
 } reference;
 
@@ -229,12 +235,15 @@ struct shadow {
     uint64_t frame;
     tiles tiles;
     gpu_image image;
+    gpu_image spare; /* a level on its way to its new place */
     bool drawn, incomplete;
     uint32_t next_row, stale_rows; /* bands that still show an earlier time */
     velum_shadow_geometry geometry;
     /* what is drawn */
     struct shadow_key {
-        double sun[3], origin[3], corner[SHADOW_LEVELS_MAX][2], time_s;
+        double sun[3], origin[3];
+        double corner[SHADOW_LEVELS_MAX][2]; /* along the axes across the sun, m */
+        double time_s;
         uint64_t state[2];
         float blend;
         uint32_t reserved;
@@ -286,8 +295,8 @@ bool reference_init(view *v);
 void reference_finish(gpu *g, view *v);
 velum_result record_reference(view *v, VkCommandBuffer commands, const velum_view_frame *frame,
                               const velum_vulkan_images *images, velum_view_block *block, bool cut);
-/* Takes in how long a slice took; 0: unknown. */
-void reference_learn(view *v, uint32_t paths, float ms);
+/* Takes in how far a frame came, and how long it took (0: unknown); completes the statistics. */
+void reference_learn(view *v, const frame_record *record, const uint32_t *slice_words, float ms);
 velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame);
 /* Uploads staged by `context` since, between barriers. */
 void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *context);

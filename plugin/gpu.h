@@ -26,6 +26,7 @@
     X(CmdBindPipeline)                                                                                                 \
     X(CmdCopyBuffer)                                                                                                   \
     X(CmdCopyBufferToImage)                                                                                            \
+    X(CmdCopyImage)                                                                                                    \
     X(CmdDispatch)                                                                                                     \
     X(CmdFillBuffer)                                                                                                   \
     X(CmdPipelineBarrier2)                                                                                             \

@@ -42,6 +42,7 @@ static void free_view(engine *e, view *v) {
 static void free_shadow(shadow *s) {
     tiles_finish(&s->tiles, &s->e->tables);
     gpu_image_finish(&s->e->g, &s->image);
+    gpu_image_finish(&s->e->g, &s->spare);
     free(s);
 }
 
@@ -243,14 +244,16 @@ velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shado
     s->levels = d.levels ? d.levels : 3;
     s->texels = d.texels ? d.texels : 256;
     s->extent_m = d.extent_m != 0.0f ? (double)d.extent_m : 8192.0;
-    const gpu_image_desc image = {.format = VK_FORMAT_R16_SFLOAT,
-                                  .type = VK_IMAGE_TYPE_2D,
-                                  .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
-                                  .extent = extent_2d(s->texels, s->texels),
-                                  .layers = s->levels,
-                                  .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-                                           VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
-    if (!gpu_image_init(&e->g, &s->image, &image)) {
+    gpu_image_desc image = {.format = VK_FORMAT_R16_SFLOAT,
+                            .type = VK_IMAGE_TYPE_2D,
+                            .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                            .extent = extent_2d(s->texels, s->texels),
+                            .layers = s->levels,
+                            .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                     VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    bool has_image = gpu_image_init(&e->g, &s->image, &image);
+    image.layers = 1;
+    if (!has_image || !gpu_image_init(&e->g, &s->spare, &image)) {
         free_shadow(s);
         return gpu_result(&e->g);
     }
@@ -260,7 +263,7 @@ velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shado
         check_fail(&check, VELUM_ERROR_OUT_OF_MEMORY, "too many objects");
         return check.result;
     }
-    s->bytes = bytes_of(&s->image);
+    s->bytes = bytes_of(&s->image) + bytes_of(&s->spare);
     s->next = e->shadows;
     e->shadows = s;
     e->shadow_count++;

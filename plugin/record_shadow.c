@@ -1,5 +1,6 @@
 /* Cloud shadow maps: planes across the sun, snapped to texels that are fixed to the world for a given sun. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "blocks.h"
@@ -8,12 +9,13 @@
 #define ALONG_STEP_M 1024.0
 #define DISTANCE_STEP_M 50000.0
 #define DISTANCE_MAX_M 400000.0
-#define STEPS 32u
-/* A centre may wander so far, in shares of the finest level's side, before the map follows. */
+/* A centre may wander so far, in shares of a level's side, before the level follows. */
 #define SNAP_SHARE 16u
-/* While only time goes on, in steps up to this, so many frames renew the map by turns, a band of rows each. */
-#define BANDS 8u
-#define BAND_LAG_S 5.0
+/* While time goes on, in steps up to this, so many frames renew the map by turns, a band of rows each. */
+#define BANDS 16u
+#define BAND_LAG_S 60.0
+/* Of a level: its band, and the two strips that come into sight as it follows. */
+#define RECTANGLES 3u
 
 static void cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -66,8 +68,8 @@ static void place(const shadow *s, const double sun[3], const double centre[3], 
         double extent_m = level_extent_m(s, k);
         geometry->block.level[k][0] = (float)extent_m;
         for (int i = 0; i < 2; i++) {
-            double corner_m = snap(dot3(centre, axes[i]) - 0.5 * extent_m, extent_m / s->texels);
-            key->corner[k][i] = corner_m - at[i];
+            double corner_m = snap(dot3(centre, axes[i]) - 0.5 * extent_m, extent_m / SNAP_SHARE);
+            key->corner[k][i] = corner_m;
             geometry->block.level[k][1 + i] = (float)((at[i] - corner_m) / extent_m);
         }
     }
@@ -103,24 +105,30 @@ static bool write_set(engine *e, const shadow *s, VkDescriptorSet *out) {
     return true;
 }
 
+typedef struct rectangle {
+    uint32_t level, x, y, width, height; /* texels */
+} rectangle;
+
 static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_geometry *geometry,
-                                            const struct shadow_key *key, uint32_t level, uint32_t row, uint32_t rows) {
-    velum_shadow_level_block b = {.window = {row, rows, STEPS, 0}};
+                                            const struct shadow_key *key, const rectangle *r) {
+    velum_shadow_level_block b = {.window = {r->x, r->y, r->width, r->height}};
     double u[3], v[3];
     make_axes(key->sun, u, v);
+    double from_u_m = key->corner[r->level][0] - dot3(key->origin, u);
+    double from_v_m = key->corner[r->level][1] - dot3(key->origin, v);
     for (int i = 0; i < 3; i++) {
         b.axis_u[i] = geometry->block.axis_u[i];
         b.axis_v[i] = geometry->block.axis_v[i];
-        b.origin[i] = (float)(key->corner[level][0] * u[i] + key->corner[level][1] * v[i]);
+        b.origin[i] = (float)(from_u_m * u[i] + from_v_m * v[i]);
     }
-    b.axis_u[3] = (float)(level_extent_m(s, level) / s->texels);
+    b.axis_u[3] = (float)(level_extent_m(s, r->level) / s->texels);
     b.axis_v[3] = (float)s->texels;
-    b.origin[3] = (float)level;
+    b.origin[3] = (float)r->level;
     return b;
 }
 
 static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow_geometry *geometry,
-                         const struct shadow_key *key, uint32_t row, uint32_t rows) {
+                         const struct shadow_key *key, const rectangle *rectangles, uint32_t count) {
     engine *e = s->e;
     gpu *g = &e->g;
     velum_eye_block block;
@@ -137,10 +145,10 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     if (!frame_uniform(e, &block, sizeof block, &offsets[0]) || !frame_uniform(e, &none, sizeof none, &offsets[1])) {
         return VELUM_ERROR_OUT_OF_MEMORY;
     }
-    uint32_t levels[SHADOW_LEVELS_MAX];
-    for (uint32_t k = 0; k < s->levels; k++) {
-        velum_shadow_level_block level = level_block(s, geometry, key, k, row, rows);
-        if (!frame_uniform(e, &level, sizeof level, &levels[k])) {
+    uint32_t blocks[SHADOW_LEVELS_MAX * RECTANGLES];
+    for (uint32_t i = 0; i < count; i++) {
+        velum_shadow_level_block level = level_block(s, geometry, key, &rectangles[i]);
+        if (!frame_uniform(e, &level, sizeof level, &blocks[i])) {
             return VELUM_ERROR_OUT_OF_MEMORY;
         }
     }
@@ -155,11 +163,12 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     /* Whoever sampled the map before, in whatever stage, has done so. */
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
-    for (uint32_t k = 0; k < s->levels; k++) {
-        offsets[2] = levels[k];
+    for (uint32_t i = 0; i < count; i++) {
+        offsets[2] = blocks[i];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
-        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, s->texels, rows);
+        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, rectangles[i].width,
+                        rectangles[i].height);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
@@ -167,13 +176,64 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     return VELUM_OK;
 }
 
-/* A little, and forward; the sun, the place and the weather are those of before. */
-static bool only_time_went_on(const struct shadow_key *before, const struct shadow_key *now) {
-    struct shadow_key held = *now;
-    held.time_s = before->time_s;
-    held.blend = before->blend;
+/* A little, and forward; the sun and the weather are those of before. */
+static bool follows(const struct shadow_key *before, const struct shadow_key *now) {
     double step_s = now->time_s - before->time_s;
-    return memcmp(&held, before, sizeof held) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
+    return memcmp(before->sun, now->sun, sizeof now->sun) == 0 &&
+           memcmp(before->state, now->state, sizeof now->state) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
+}
+
+/* What both maps have moves to its new place, through the spare image: a copy's ends must not overlap. */
+static void move_level(shadow *s, VkCommandBuffer commands, uint32_t level, int32_t du, int32_t dv) {
+    gpu *g = &s->e->g;
+    VkImageCopy copy = {.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, level, 1},
+                        .srcOffset = {du > 0 ? du : 0, dv > 0 ? dv : 0, 0},
+                        .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                        .extent = {s->texels - (uint32_t)abs(du), s->texels - (uint32_t)abs(dv), 1}};
+    gpu_image_make_general(g, commands, &s->spare);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    g->CmdCopyImage(commands, s->image.image, VK_IMAGE_LAYOUT_GENERAL, s->spare.image, VK_IMAGE_LAYOUT_GENERAL, 1,
+                    &copy);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    copy.srcSubresource.baseArrayLayer = 0;
+    copy.srcOffset = (VkOffset3D){0, 0, 0};
+    copy.dstSubresource.baseArrayLayer = level;
+    copy.dstOffset = (VkOffset3D){du < 0 ? -du : 0, dv < 0 ? -dv : 0, 0};
+    g->CmdCopyImage(commands, s->spare.image, VK_IMAGE_LAYOUT_GENERAL, s->image.image, VK_IMAGE_LAYOUT_GENERAL, 1,
+                    &copy);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+}
+
+/* What is to be drawn of a level that goes on from what it shows: a band of it, and what has come into sight. */
+static uint32_t continue_level(shadow *s, VkCommandBuffer commands, const struct shadow_key *key, uint32_t level,
+                               uint32_t row, uint32_t rows, rectangle *out) {
+    double texel_m = level_extent_m(s, level) / s->texels;
+    double u = (key->corner[level][0] - s->key.corner[level][0]) / texel_m;
+    double v = (key->corner[level][1] - s->key.corner[level][1]) / texel_m;
+    if (fabs(u) >= s->texels || fabs(v) >= s->texels) {
+        out[0] = (rectangle){level, 0, 0, s->texels, s->texels};
+        return 1;
+    }
+    int32_t du = (int32_t)lround(u);
+    int32_t dv = (int32_t)lround(v);
+    uint32_t count = 0;
+    if (rows > 0) {
+        out[count++] = (rectangle){level, 0, row, s->texels, rows};
+    }
+    if (du != 0 || dv != 0) {
+        move_level(s, commands, level, du, dv);
+    }
+    if (du != 0) {
+        out[count++] = (rectangle){level, du > 0 ? s->texels - (uint32_t)du : 0, 0, (uint32_t)abs(du), s->texels};
+    }
+    if (dv != 0) {
+        out[count++] = (rectangle){level, 0, dv > 0 ? s->texels - (uint32_t)dv : 0, s->texels, (uint32_t)abs(dv)};
+    }
+    return count;
 }
 
 velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shadow_frame *frame) {
@@ -205,11 +265,13 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
     if (same && s->stale_rows == 0) {
         return VELUM_UNCHANGED;
     }
-    uint32_t rows = s->texels;
-    if (same || (s->drawn && !s->incomplete && only_time_went_on(&s->key, &key))) {
-        rows = s->texels / BANDS;
+    bool goes_on = s->drawn && !s->incomplete && follows(&s->key, &key);
+    uint32_t stale_rows = s->texels;
+    if (goes_on && key.time_s == s->key.time_s && key.blend == s->key.blend) {
+        stale_rows = s->stale_rows;
     }
-    uint32_t row = rows < s->texels ? s->next_row : 0;
+    uint32_t rows = !goes_on ? s->texels : (stale_rows > 0 ? s->texels / BANDS : 0);
+    uint32_t row = goes_on ? s->next_row : 0;
     VkBufferCopy copy;
     uint32_t budget = e->owner ? UINT32_MAX : RENDER_TILES;
     tiles_context context = record_tiles_context(e, &budget, &copy, 1);
@@ -218,12 +280,21 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
     if (standing < 0) {
         return standing;
     }
-    velum_result result = draw(s, commands, &geometry, &key, row, rows);
+    rectangle rectangles[SHADOW_LEVELS_MAX * RECTANGLES];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < s->levels; k++) {
+        if (goes_on) {
+            count += continue_level(s, commands, &key, k, row, rows, &rectangles[count]);
+        } else {
+            rectangles[count++] = (rectangle){k, 0, 0, s->texels, s->texels};
+        }
+    }
+    velum_result result = draw(s, commands, &geometry, &key, rectangles, count);
     if (result < 0) {
         s->drawn = false;
         return result;
     }
-    s->stale_rows = (same ? s->stale_rows : s->texels) - rows;
+    s->stale_rows = stale_rows > rows ? stale_rows - rows : 0;
     s->next_row = (row + rows) % s->texels;
     s->key = key;
     s->geometry = geometry;

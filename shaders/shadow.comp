@@ -9,10 +9,15 @@ layout(set = 1, binding = VELUM_BIND_SHADOW_LEVEL, std140) uniform level_uniform
 };
 layout(set = 1, binding = VELUM_BIND_SHADOW_OUT, r16f) uniform writeonly image2DArray shadow_out;
 
+/* Of a line through the shell of a layer. */
+const float most_steps = 32.0;
+
 void main() {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, int(level.window.x));
-    int side = int(level.axis_v.w);
-    if (texel.x >= side || texel.y >= int(level.window.x + level.window.y) || texel.y >= side) {
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, level.window.zw))) {
+        return;
+    }
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy + level.window.xy);
+    if (any(greaterThanEqual(texel, ivec2(int(level.axis_v.w))))) {
         return;
     }
     vec3 plane = level.origin.xyz +
@@ -22,7 +27,7 @@ void main() {
     velum_span ground = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z, 0.0);
     bool grounded = ground.enter_m <= ground.leave_m;
     float depth = 0.0;
-    int steps = int(level.window.z);
+    tile_place tile = tile_nowhere();
     /* Slot by slot, each through its own shell alone. */
     for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
@@ -31,32 +36,47 @@ void main() {
                                            bounds.y * VELUM_SCALE_Z + 1.0);
         velum_span base = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z,
                                             max(bounds.x - 1.0, -1000.0));
-        float start = grounded ? ground.leave_m : top.enter_m;
-        start = base.enter_m <= base.leave_m ? max(start, base.leave_m) : start;
-        float end = top.enter_m <= top.leave_m ? top.leave_m : start;
-        float dt = max(end - start, 0.0) / float(steps);
+        float position = grounded ? ground.leave_m : top.enter_m;
+        position = base.enter_m <= base.leave_m ? max(position, base.leave_m) : position;
+        float end = top.enter_m <= top.leave_m ? top.leave_m : position;
+        float way = max(end - position, 0.0);
+        /* As many steps as the texel can show, and no more. */
+        float long_dt = max(way / clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps), 1.0);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
-        for (int i = 0; i < steps; ++i) {
-            vec3 r = plane + to_sun * (start + (float(i) + 0.5) * dt);
+        float period_m = 1.0 / eye.slots[slot].shape_0.w;
+        while (position < end) {
+            float dt = min(long_dt, end - position);
+            float at = position + 0.5 * dt;
+            vec3 r = plane + to_sun * at;
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
             float h = place.height_m;
             float rise = abs(dot(normal, to_sun) * dt);
-            tile_place tile = tile_find(normal, max(length(r), 1.0));
+            tile = tile_move(tile, normal, max(length(r), 1.0));
             bool here = (tile.mask & (1u << uint(slot))) != 0u;
             velum_slot_fields f = slot_fields(tile, slot, here);
             float z = (h - f.base_m) / max(f.top_m - f.base_m, 1.0);
-            velum_profile profile = velum_profile_of(slot, f);
-            float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-            float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump_noise(slot, f, r), 0.5);
-            bool within = here && f.coverage > 0.0 && z > 0.0 && z < 1.0 && e > 0.0;
+            bool within = here && f.coverage > 0.0 && z > 0.0 && z < 1.0 && !uniform_layer;
+            float stride = dt;
+            /* Loops that run once or not at all: see march.comp. */
+            for (int once = within ? 0 : 1; once < 1; ++once) {
+                velum_profile profile = velum_profile_of(slot, f);
+                float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
+                float clear = -e * f.coverage * 0.05 * period_m;
+                for (int covered = e > 0.0 ? 0 : 1; covered < 1; ++covered) {
+                    float lump = lump_noise(slot, f, r);
+                    depth += f.extinction_1_m * dt * velum_body(profile, e, z, h - f.base_m, lump, 0.5);
+                    clear = -velum_margin(profile, e, z, lump, 0.5) * 0.02 * period_m;
+                }
+                stride = max(dt, 0.5 * dt + clear);
+            }
             /* Sharp faces: the share of the step that lies within them. */
             float low = h - 0.5 * rise;
             float high = h + 0.5 * rise;
             float overlap = rise > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / rise, 0.0, 1.0)
                                         : (h >= f.base_m && h <= f.top_m ? 1.0 : 0.0);
-            float slab = here && f.coverage >= 0.5 ? overlap : 0.0;
-            depth += f.extinction_1_m * dt * (uniform_layer ? slab : (within ? body : 0.0));
+            depth += uniform_layer && here && f.coverage >= 0.5 ? f.extinction_1_m * dt * overlap : 0.0;
+            position += stride;
         }
     }
     imageStore(shadow_out, ivec3(texel, int(level.origin.w)), vec4(exp(-depth)));

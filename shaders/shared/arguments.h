@@ -75,7 +75,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
     VELUM_VEC4(axis_u);  /* w: texel m */
     VELUM_VEC4(axis_v);  /* w: texels a side */
     VELUM_VEC4(origin);  /* corner of texel (0, 0) on the plane through it, from the eye's block position, m; w: level */
-    VELUM_UVEC4(window); /* first row, rows of this dispatch, steps, 0 */
+    VELUM_UVEC4(window); /* first column, first row, columns, rows of this dispatch */
 };
 
 /* Set 0: the engine and the eye. */
