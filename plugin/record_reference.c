@@ -7,10 +7,10 @@
 #include "shared/phase.h"
 #include "shared/reference.h"
 
-enum { PATHS_MAX = 1 << 17, PATHS_MIN = 32, ROUND_MAX = 64, GROUPS_MAX = 2048 };
+enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
-enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_DISPATCHES = 48 };
+enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_PATHS = 4096 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
@@ -83,6 +83,14 @@ static uint32_t software_groups(void) {
     return threads < 1 ? 1 : threads > SOFTWARE_GROUPS_MAX ? SOFTWARE_GROUPS_MAX : (uint32_t)threads;
 }
 
+static uint32_t dispatches_of(const reference *r) {
+    return (r->rounds + SOFTWARE_ROUNDS - 1) / SOFTWARE_ROUNDS;
+}
+
+static uint32_t rounds_of(const reference *r) {
+    return r->rounds / dispatches_of(r);
+}
+
 bool reference_init(view *v) {
     gpu *g = &v->eye->e->g;
     reference *r = &v->reference;
@@ -95,17 +103,17 @@ bool reference_init(view *v) {
         return false;
     }
     const bool software = is_software(g);
-    r->path_room = PATHS_MAX;
-    r->budget = PATHS_MIN;
-    if (!init_storage(g, &r->paths, r->path_room * sizeof(velum_reference_path)) ||
+    r->path_room = software ? SOFTWARE_PATHS : PATHS_MIN;
+    r->rounds = 64;
+    if (!init_storage(g, &r->paths, (software ? SOFTWARE_PATHS : PATHS_MAX) * sizeof(velum_reference_path)) ||
         !init_storage(g, &r->pixels, pixels) ||
         !init_storage(g, &r->lanes,
                       (software ? SOFTWARE_GROUPS_MAX : 1) * VELUM_REFERENCE_GROUP * sizeof(velum_reference_lane)) ||
-        !init_storage(g, &r->error, 16)) {
+        !init_storage(g, &r->slice_words, 16)) {
         return false;
     }
-    v->bytes =
-        r->lanes.allocation.size + r->paths.allocation.size + r->pixels.allocation.size + r->error.allocation.size;
+    v->bytes = r->lanes.allocation.size + r->paths.allocation.size + r->pixels.allocation.size +
+               r->slice_words.allocation.size;
     return true;
 }
 
@@ -114,23 +122,61 @@ void reference_finish(gpu *g, view *v) {
     gpu_buffer_finish(g, &r->lanes);
     gpu_buffer_finish(g, &r->paths);
     gpu_buffer_finish(g, &r->pixels);
-    gpu_buffer_finish(g, &r->error);
+    gpu_buffer_finish(g, &r->slice_words);
     free(r->key);
     r->key = NULL;
 }
 
-void reference_learn(view *v, uint32_t paths, float ms) {
-    reference *r = &v->reference;
-    if (paths == 0 || ms <= 0.0f) {
+static void next_slice(reference *r, uint32_t limit) {
+    const uint32_t all = r->side * r->side;
+    r->turn += r->turns;
+    if (r->turns > 0 && r->turn >= all) {
+        r->turn = 0;
+        r->done += r->paths_now;
+    }
+    r->begun = false;
+    r->slice++;
+    r->turns = 0;
+    if (r->turn == 0) {
+        uint32_t most = limit == 0 ? ROUND_MAX : limit > r->done ? limit - r->done : 0;
+        uint32_t paths = r->path_room / all;
+        paths = paths < 1 ? 1 : paths > ROUND_MAX ? ROUND_MAX : paths;
+        r->paths_now = paths < most ? paths : most;
+    }
+    if (r->paths_now > 0) {
+        uint32_t count = r->path_room / r->paths_now;
+        r->turns = count < all - r->turn ? count : all - r->turn;
+    }
+}
+
+/* Rounds take what they take; elsewhere the number of paths is what can be chosen. */
+static void adapt(reference *r, const frame_record *record, bool software, bool complete, float ms) {
+    if (ms <= 0.0f || complete == software) {
         return;
     }
-    float wanted = (float)paths * SLICE_MS / ms;
-    float most = 2.0f * (float)r->budget;
-    wanted = wanted < most ? wanted : most;
-    wanted = wanted < PATHS_MAX ? wanted : PATHS_MAX;
-    /* A short slice, at the end of a round, says little. */
-    if (paths >= r->budget / 2 || wanted < (float)r->budget) {
-        r->budget = wanted > PATHS_MIN ? (uint32_t)wanted : PATHS_MIN;
+    float now = (float)(software ? r->rounds : r->path_room);
+    float wanted = (float)(software ? record->rounds : record->paths) * SLICE_MS / ms;
+    wanted = wanted < 2.0f * now ? wanted : 2.0f * now;
+    wanted = wanted > 0.25f * now ? wanted : 0.25f * now;
+    if (software) {
+        r->rounds = wanted < 16.0f ? 16 : wanted > 1e5f ? 100000 : (uint32_t)wanted;
+    } else if (record->paths == r->path_room || wanted < now) {
+        r->path_room = wanted < PATHS_MIN ? PATHS_MIN : wanted > PATHS_MAX ? PATHS_MAX : (uint32_t)wanted;
+    }
+}
+
+void reference_learn(view *v, const frame_record *record, const uint32_t *slice_words, float ms) {
+    reference *r = &v->reference;
+    memcpy(&v->stats.relative_error, &slice_words[VELUM_SLICE_ERROR], sizeof(float));
+    v->stats.paths_per_pixel = r->done;
+    if (record->slice != r->slice || record->paths == 0) {
+        return;
+    }
+    bool complete = slice_words[VELUM_SLICE_DONE] == record->paths;
+    adapt(r, record, is_software(&v->eye->e->g), complete, ms);
+    r->complete = r->complete || complete;
+    if (complete && r->turn + r->turns >= r->side * r->side) {
+        v->stats.paths_per_pixel += r->paths_now;
     }
 }
 
@@ -173,35 +219,22 @@ static bool changed(view *v, const velum_view_block *block, bool cut) {
     return !same;
 }
 
-/* Chooses the slice and moves on. */
-static uint32_t take_slice(reference *r, uint32_t pixels, uint32_t limit, velum_view_block *block) {
-    uint32_t side = 1;
-    while ((uint64_t)side * side < pixels) {
-        side++;
+/* Begins a slice where the last is complete. */
+static void take_slice(reference *r, uint32_t pixels, uint32_t limit, bool anew, velum_view_block *block) {
+    if (anew) {
+        r->side = 1;
+        while ((uint64_t)r->side * r->side < pixels) {
+            r->side++;
+        }
+        r->turn = r->turns = r->done = r->paths_now = 0;
     }
-    const uint32_t turns = side * side;
-    if (r->turn == 0) {
-        uint32_t most = limit > r->done ? limit - r->done : limit ? 0 : ROUND_MAX;
-        uint32_t paths = r->budget / turns;
-        paths = paths > 1 ? paths : 1;
-        paths = paths < ROUND_MAX ? paths : ROUND_MAX;
-        r->paths_now = paths < most ? paths : most;
+    if (anew || r->complete || r->turns == 0) {
+        next_slice(r, limit);
+        r->complete = false;
     }
-    uint32_t count = 0;
-    if (r->paths_now > 0) {
-        count = r->budget / r->paths_now;
-        count = count > 0 ? count : 1;
-        count = count < turns - r->turn ? count : turns - r->turn;
-    }
-    const uint32_t slice[4] = {r->turn, count, r->paths_now, r->done};
+    const uint32_t slice[4] = {r->turn, r->turns, r->paths_now, r->done};
     memcpy(block->march_size, slice, sizeof slice);
-    block->steps[1] = side;
-    r->turn += count;
-    if (r->turn == turns) {
-        r->turn = 0;
-        r->done += r->paths_now;
-    }
-    return count * slice[2];
+    block->steps[1] = r->side;
 }
 
 typedef struct binding {
@@ -232,7 +265,7 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
         [VELUM_BIND_REFERENCE_BOUNDS] = {e->pages.bounds.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_NOISE] = {e->noise_most.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_LANES] = {r->lanes.buffer, 0, VK_WHOLE_SIZE},
-        [VELUM_BIND_REFERENCE_ERROR] = {r->error.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_ERROR] = {r->slice_words.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 4 * VELUM_COUNTER_WORDS}};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     uint32_t count = 0;
@@ -263,12 +296,14 @@ static bool bind_init(view *v, const velum_vulkan_images *images, const velum_vi
     eye *y = v->eye;
     engine *e = y->e;
     const velum_shadow_block none = {0};
+    velum_view_block first = *block;
     velum_view_block again = *block;
+    first.steps[2] = v->reference.begun ? 1 : 0;
     again.steps[2] = 1;
     out->sets[0] = y->set;
     if (!frame_uniform(e, &y->block, sizeof y->block, &out->offsets[0]) ||
         !frame_uniform(e, &none, sizeof none, &out->offsets[1]) ||
-        !frame_uniform(e, block, sizeof *block, &out->offsets[2]) ||
+        !frame_uniform(e, &first, sizeof first, &out->offsets[2]) ||
         !frame_uniform(e, &again, sizeof again, &out->again)) {
         e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
@@ -290,7 +325,7 @@ static void compute_barrier(gpu *g, VkCommandBuffer commands) {
 }
 
 static void record_passes(view *v, VkCommandBuffer commands, const binding *bound, const velum_view_block *block,
-                          bool layered, bool anew, bool round_ends, uint32_t counter, uint32_t query, uint32_t paths) {
+                          bool layered, bool anew, uint32_t counter, uint32_t query) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     reference *r = &v->reference;
@@ -302,8 +337,10 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, access | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, bytes, 0);
-    if (anew) {
-        g->CmdFillBuffer(commands, r->error.buffer, 0, 16, 0);
+    const VkDeviceSize error_at = sizeof(uint32_t) * VELUM_SLICE_ERROR;
+    const uint32_t paths = block->march_size[1] * block->march_size[2];
+    if (!r->begun) {
+        g->CmdFillBuffer(commands, r->slice_words.buffer, 0, anew ? error_at + sizeof(float) : error_at, 0);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                 compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
@@ -312,15 +349,15 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     if (paths > 0) {
         const bool software = is_software(g);
         const uint32_t lanes = pipelines_reference_lanes(g);
-        uint32_t groups = (paths + lanes - 1) / lanes;
-        uint32_t most = software ? software_groups() : GROUPS_MAX;
+        const uint32_t groups = (paths + lanes - 1) / lanes;
+        const uint32_t most = software ? software_groups() : GROUPS_MAX;
         pass which = blocks_mix(e) ? PASS_REFERENCE_MIXED : PASS_REFERENCE;
         g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
-        for (uint32_t i = 0; i < (software ? SOFTWARE_DISPATCHES : 1); i++) {
+        for (uint32_t i = 0; i < (software ? dispatches_of(r) : 1); i++) {
             if (i == 1) {
                 bind(e, commands, bound, true);
             }
-            g->CmdDispatch(commands, groups < most ? groups : most, 1, 1);
+            g->CmdDispatch(commands, software || groups > most ? most : groups, 1, 1);
             compute_barrier(g, commands);
         }
         bind(e, commands, bound, false);
@@ -329,16 +366,22 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     record_dispatch(e, commands, layered ? PASS_REFERENCE_RESOLVE_LAYERED : PASS_REFERENCE_RESOLVE, block->size[0],
                     block->size[1]);
     compute_barrier(g, commands);
-    if (round_ends) {
+    /* What the pixels have taken in now is not taken in again. */
+    const VkBufferCopy taken = {sizeof(uint32_t) * VELUM_SLICE_DONE, sizeof(uint32_t) * VELUM_SLICE_TAKEN,
+                                sizeof(uint32_t)};
+    g->CmdCopyBuffer(commands, r->slice_words.buffer, r->slice_words.buffer, 1, &taken);
+    gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
+    if (r->turns > 0 && r->turn + r->turns >= r->side * r->side) {
         g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[PASS_REFERENCE_ERROR]);
         g->CmdDispatch(commands, 1, 1, 1);
         compute_barrier(g, commands);
     }
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
     const VkBufferCopy counters = {at, at, bytes};
-    const VkBufferCopy error = {0, at + bytes, sizeof(float)};
+    const VkBufferCopy words = {0, at + bytes, sizeof(uint32_t) * VELUM_SLICE_WORDS};
     g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &counters);
-    g->CmdCopyBuffer(commands, r->error.buffer, e->now->counters.buffer, 1, &error);
+    g->CmdCopyBuffer(commands, r->slice_words.buffer, e->now->counters.buffer, 1, &words);
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
                 VK_ACCESS_2_HOST_READ_BIT);
 }
@@ -356,16 +399,14 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     memset(block->march_size, 0, sizeof block->march_size);
     memset(block->steps, 0, sizeof block->steps);
     block->steps[0] = y->plan.octaves;
-    block->steps[3] = is_software(&e->g) ? SOFTWARE_ROUNDS : 0x7fffffffu;
     block->frame[0] = 0;
     block->frame[1] &= ~VELUM_VIEW_BLOCK_CUT;
     bool anew = changed(v, block, cut);
     if (anew) {
-        r->turn = r->done = 0;
         block->frame[1] |= VELUM_VIEW_BLOCK_CUT;
     }
-    uint32_t before = r->done;
-    uint32_t paths = take_slice(r, frame->width * frame->height, frame->path_limit, block);
+    take_slice(r, frame->width * frame->height, frame->path_limit, anew, block);
+    block->steps[3] = is_software(&e->g) ? rounds_of(r) : 0x7fffffffu;
     uint32_t counter = slot->record_count;
     binding bound;
     if (!bind_init(v, images, block, counter, &bound)) {
@@ -374,16 +415,18 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
         return gpu_result(&e->g);
     }
     uint32_t query = frame_queries(e, 3);
-    record_passes(v, commands, &bound, block, images->layers != 0, anew, r->done != before, counter, query, paths);
+    record_passes(v, commands, &bound, block, images->layers != 0, anew, counter, query);
+    r->begun = true;
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
-                                                        .paths = paths,
+                                                        .slice = r->slice,
+                                                        .paths = block->march_size[1] * block->march_size[2],
+                                                        .rounds = dispatches_of(r) * rounds_of(r),
                                                         .stats = {.incomplete = y->incomplete,
                                                                   .frame = e->newest_serial,
                                                                   .revision = e->weather.revision,
                                                                   .weather_bytes = engine_weather_bytes(e),
-                                                                  .view_bytes = v->bytes,
-                                                                  .paths_per_pixel = r->done}};
+                                                                  .view_bytes = v->bytes}};
     v->frame = e->frames;
     v->last_serial = e->newest_serial;
     return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;

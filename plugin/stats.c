@@ -54,13 +54,12 @@ void stats_read(engine *e, frame_slot *slot) {
         stats->shared_ms = shared_ms;
         stats->shadow_ms = shadow_ms;
         if (record->v->eye->quality == VELUM_QUALITY_REFERENCE) {
-            float error;
-            memcpy(&error,
+            uint32_t words[VELUM_SLICE_WORDS];
+            memcpy(words,
                    (const char *)slot->counters.mapped + (size_t)i * COUNTER_STRIDE +
                        sizeof(uint32_t) * VELUM_COUNTER_WORDS,
-                   sizeof error);
-            stats->relative_error = error;
-            reference_learn(record->v, record->paths, stats->march_ms);
+                   sizeof words);
+            reference_learn(record->v, record, words, stats->march_ms);
         }
         record->v->has_stats = true;
     }

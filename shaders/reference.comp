@@ -11,6 +11,9 @@ layout(local_size_x_id = 1, local_size_y = 1) in;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) writeonly buffer paths_buffer {
     velum_reference_path paths[];
 };
+layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) buffer slice_buffer {
+    uint slice[VELUM_SLICE_WORDS];
+};
 layout(set = 1, binding = VELUM_BIND_REFERENCE_LANES, std430) buffer lanes_buffer {
     velum_reference_lane lanes[];
 };
@@ -119,6 +122,7 @@ void main() {
     uint light_samples = 0u;
     uint above = 0u;
     uint begun = 0u;
+    uint finished = 0u;
     bool missing = false;
 
     /* Software devices give up loops after some 65,000 rounds, all loops of an invocation together: a lane stops before
@@ -166,7 +170,7 @@ void main() {
 
     for (uint round = 0u; state != at_end && round < most_rounds; ++round) {
         for (int once = state == at_start ? 0 : 1; once < 1; ++once) {
-            path_index = atomicAdd(counters[VELUM_COUNTER_QUEUE], 1u);
+            path_index = atomicAdd(slice[VELUM_SLICE_BEGUN], 1u);
             if (path_index >= count) {
                 state = at_end;
                 left_m = 0.0;
@@ -177,6 +181,7 @@ void main() {
             ++begun;
             uint number = velum_reference_pixel_of(view.march_size.x + path_index / view.march_size.z, view.steps.y);
             if (number >= pixel_count) {
+                ++finished;
                 break;
             }
             ivec2 pixel = ivec2(int(number % view.size.x), int(number / view.size.x));
@@ -462,6 +467,7 @@ void main() {
                 vec4 b = vec4(through, cloud_weight);
                 paths[path_index].light = is_bad(a) ? vec4(0.0) : a;
                 paths[path_index].through = is_bad(b) ? vec4(0.0) : b;
+                ++finished;
                 state = at_start;
                 left_m = 0.0;
                 s.left_m = 0.0;
@@ -491,6 +497,7 @@ void main() {
         lane.waiting_weight = vec4(waiting_weight, 0.0);
         lanes[own] = lane;
     }
+    atomicAdd(slice[VELUM_SLICE_DONE], finished);
     atomicAdd(counters[0], begun);
     atomicAdd(counters[1], samples);
     atomicAdd(counters[2], light_samples);

@@ -11,7 +11,7 @@ layout(set = 1, binding = VELUM_BIND_REFERENCE_PIXELS, std430) readonly buffer p
     velum_reference_pixel pixels[];
 };
 layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) buffer error_buffer {
-    float relative_error;
+    float slice[VELUM_SLICE_WORDS];
 };
 
 shared float part[VELUM_REFERENCE_GROUP];
@@ -46,6 +46,6 @@ void main() {
     part[lane] = sum;
     float all = sum_of_parts();
     if (lane == 0u) {
-        relative_error = all / float(count);
+        slice[VELUM_SLICE_ERROR] = all / float(count);
     }
 }

@@ -11,6 +11,9 @@ layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) readonly buffer pa
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PIXELS, std430) buffer pixels_buffer {
     velum_reference_pixel pixels[];
 };
+layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) readonly buffer slice_buffer {
+    uint slice[VELUM_SLICE_WORDS];
+};
 #ifdef VELUM_LAYERED
 #define OUT_IMAGE image2DArray
 #define OUT_PIXEL(p) ivec3(p, int(view.frame.z))
@@ -36,7 +39,9 @@ void main() {
         sum.light = sum.through = sum.distance = vec4(0.0);
     }
     uint turn = velum_reference_pixel_of(number, view.steps.y);
-    bool own = turn >= view.march_size.x && turn < view.march_size.x + view.march_size.y;
+    uint all = view.march_size.y * view.march_size.z;
+    bool complete = slice[VELUM_SLICE_DONE] == all && slice[VELUM_SLICE_TAKEN] != all;
+    bool own = complete && turn >= view.march_size.x && turn < view.march_size.x + view.march_size.y;
     uint first = (turn - view.march_size.x) * view.march_size.z;
     uint count = own ? view.march_size.z : 0u;
     for (uint i = 0u; i < count; ++i) {

@@ -10,7 +10,7 @@
 #define VELUM_BIND_REFERENCE_BOUNDS 3 /* storage: velum_page_bounds for each page */
 #define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest values of the noises, VELUM_NOISE_* */
 #define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
-#define VELUM_BIND_REFERENCE_ERROR 6 /* storage: relative error */
+#define VELUM_BIND_REFERENCE_ERROR 6 /* storage: VELUM_SLICE_* */
 #define VELUM_BIND_REFERENCE_LANES                                                                                     \
     7 /* storage: velum_reference_lane for each invocation, where they are interrupted                                 \
        */
@@ -76,11 +76,17 @@ VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
  * loop at most; march: branches for each collision, asymmetry of their
  * lobe, unused, worth below which roulette begins. */
 
-/* Words of a view's counters: rays, samples, light samples, missing tiles; paths begun in the slice; samples above
- * their majorant; 0; 0. */
+/* Words of a frame's counters: rays, samples, light samples, missing tiles; samples above their majorant. */
 #define VELUM_COUNTER_WORDS 8
-#define VELUM_COUNTER_QUEUE 4
-#define VELUM_COUNTER_ABOVE 5
+#define VELUM_COUNTER_ABOVE 4
+
+/* Words of a view's slice, which may take several frames: paths begun, done, done when last the pixels took them in;
+ * relative error (a float). */
+#define VELUM_SLICE_BEGUN 0
+#define VELUM_SLICE_DONE 1
+#define VELUM_SLICE_TAKEN 2
+#define VELUM_SLICE_ERROR 3
+#define VELUM_SLICE_WORDS 4
 
 /* Numbers that a path has drawn when roulette begins to end it. */
 #define VELUM_REFERENCE_OLD 5000u
