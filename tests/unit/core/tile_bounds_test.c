@@ -1,0 +1,98 @@
+/* Bounds of a tile hold wherever one looks in it, for the best columns that the noise can give. */
+#include "synthetic.h"
+
+#include "core/geodesy.h"
+#include "core/tile_bounds.h"
+#include "shared/sample.h"
+
+#include <math.h>
+
+static uint32_t next(uint32_t *state) {
+    *state = *state * 747796405u + 2891336453u;
+    return *state;
+}
+
+static float unit(uint32_t *state) {
+    return (float)(next(state) >> 8) * 0x1p-24f;
+}
+
+/* Any rank, lump and fine noise that a column can have. */
+static void look(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random, float *most) {
+    velum_slot_fields f = core_tile_sample(tile, slot, unit(random), unit(random));
+    if (f.coverage <= 0.0f) {
+        return;
+    }
+    float z = unit(random);
+    float height_m = f.base_m + z * (f.top_m - f.base_m);
+    float rank = 1.0f - unit(random) * unit(random);
+    float lump = 2.0f * unit(random) - 1.0f;
+    float extinction = velum_slot_extinction((int)slot, f, height_m, rank, lump, unit(random));
+    if (!(extinction > 0.0f)) {
+        return;
+    }
+    assert_true(height_m >= bounds->height[0] - 0.01f && height_m <= bounds->height[3] + 0.01f);
+    float bound = bounds->most[1];
+    if (slot < VELUM_SLOT_UNIFORM) {
+        /* As reference_cell.glsl, for the whole of the layer. */
+        float excess = (rank - 1.0f + bounds->most[0]) / bounds->most[0];
+        float carved = excess - bounds->shape[2] * bounds->shape[3] * fmaxf(0.6f - lump, 0.0f);
+        assert_true(carved > 0.0f);
+        float top = fminf(powf(excess / bounds->most[3], 1.0f / bounds->shape[0]), 1.0f);
+        assert_true(height_m <= velum_mix(bounds->height[1], bounds->height[3], top) + 0.01f);
+        bound *= (1.0f + bounds->most[2] * 0.6f) * velum_smoothstep(0.0f, bounds->shape[1], carved);
+    }
+    assert_true(extinction <= bound * 1.0005f);
+    *most = fmaxf(*most, extinction);
+}
+
+static void bounds_hold(void **state) {
+    (void)state;
+    static const int32_t genera[] = {VELUM_GENUS_ST, VELUM_GENUS_SC, VELUM_GENUS_CU, VELUM_GENUS_CB, VELUM_GENUS_AS,
+                                     VELUM_GENUS_NS, VELUM_GENUS_AC, VELUM_GENUS_CS, VELUM_GENUS_CI, VELUM_GENUS_CC};
+    uint32_t random = 1;
+    uint32_t slots_seen = 0;
+    for (size_t g = 0; g < sizeof genera / sizeof genera[0]; g++) {
+        for (int soft = 0; soft < 2; soft++) {
+            velum_layer layers[2] = {layer_of(genera[g], 0.2f + 0.07f * (float)g, 900.0f, 2600.0f),
+                                     layer_of(genera[g], 0.95f, 1100.0f, 4000.0f)};
+            velum_cell cells[2] = {cell_of(VELUM_CELL_GLOBAL, 1, &layers[0], 1),
+                                   cell_of(VELUM_CELL_RECTANGLE, 2, &layers[1], 1)};
+            cells[1].lat_deg = 30.0;
+            cells[1].lon_deg = 20.0;
+            cells[1].half_east_m = cells[1].half_north_m = 20000.0;
+            cells[1].transition_m = 30000.0;
+            velum_state_desc desc = desc_of(cells, soft ? 2 : 1);
+            core_state *made = state_of(&desc, NULL, 1);
+            double normal[3];
+            core_normal(30.0, 20.2, normal);
+            velum_face_place p = velum_face_of((float)normal[0], (float)normal[1], (float)normal[2]);
+            core_tile *tile =
+                core_tile_create(made, velum_tile_key(8, (uint32_t)p.face, (uint32_t)velum_tile_coordinate(p.u, 8),
+                                                      (uint32_t)velum_tile_coordinate(p.v, 8)));
+            assert_non_null(tile);
+            for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+                velum_page_bounds bounds;
+                float most = 0.0f;
+                core_tile_bounds(tile, slot, &bounds);
+                if (!(tile->mask & (1u << slot))) {
+                    assert_true(bounds.most[1] == 0.0f);
+                    continue;
+                }
+                for (int i = 0; i < 20000; i++) {
+                    look(tile, slot, &bounds, &random, &most);
+                }
+                /* A bound, and not a boundless one. */
+                assert_true(most > 0.25f * bounds.most[1]);
+                slots_seen |= 1u << slot;
+            }
+            core_tile_unref(tile);
+            core_state_unref(made);
+        }
+    }
+    assert_int_equal(slots_seen & ~2u, 0x3du);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bounds_hold)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
