@@ -89,7 +89,7 @@ void main() {
     vec3 d = vec3(0.0, 0.0, 1.0);
     float left_m = 0.0;
     bool grounded = false; /* the ray ends on the ground */
-    stretch s = stretch(0.0, 0.0, 0u, tile_nowhere());
+    stretch s = stretch(0.0, 0.0, 0u, 0.0, tile_nowhere());
 
     vec3 weight = vec3(0.0);
     vec3 light = vec3(0.0);
@@ -145,6 +145,7 @@ void main() {
         waiting_from_ground = (lane.flags.w & 8u) != 0u;
         s.slots = lane.tile.x;
         s.tile.entry = lane.tile.y;
+        s.tile_m = uintBitsToFloat(lane.tile.z);
         r = lane.r.xyz;
         left_m = lane.r.w;
         d = lane.d.xyz;
@@ -196,7 +197,7 @@ void main() {
             grounded = grounded && !host_solid;
             left_m = host_solid ? min(host_m, left_m) : left_m;
             ray_m = 0.0;
-            s.left_m = 0.0;
+            s.left_m = s.tile_m = 0.0;
             light = vec3(0.0);
             order = 0;
             through = vec3(1.0);
@@ -209,7 +210,7 @@ void main() {
         }
 
         for (int once = s.left_m <= 0.0 && left_m > 0.0 ? 0 : 1; once < 1; ++once) {
-            s = stretch_from(r, d, left_m, missing);
+            s = stretch_from(r, d, left_m, s, missing);
         }
 
         float step_m = s.most_1_m > 0.0 ? -log(1.0 - draw()) / s.most_1_m : far_m;
@@ -219,6 +220,7 @@ void main() {
         ray_m += step_m;
         left_m = inside ? left_m - step_m : (s.left_m >= left_m ? 0.0 : left_m - s.left_m);
         s.left_m = inside ? s.left_m - step_m : 0.0;
+        s.tile_m = max(s.tile_m - step_m, 0.0);
 
         bool collides = false; /* at r, with `medium`; weight is that of what scatters */
         bool ends = false;     /* a flight has led nowhere */
@@ -377,7 +379,7 @@ void main() {
             d = sun;
             left_m = seen ? length_m : 0.0;
             origin = r; /* of the collision, to come back to */
-            s.left_m = 0.0;
+            s.left_m = s.tile_m = 0.0;
             state = at_sun;
             if (seen && length_m <= 0.0) {
                 light += sun_light;
@@ -392,10 +394,6 @@ void main() {
             bool fork = order >= 256 && (order & (order - 1)) == 0;
             bool dropped = order == greatest_order || (fork && draw() < 0.5);
             weight *= fork ? 2.0 : 1.0;
-            /* Very long ones must end within the dispatches that there are. */
-            bool old = drawn > VELUM_REFERENCE_OLD;
-            dropped = dropped || (old && draw() >= 0.9);
-            weight /= old ? 0.9 : 1.0;
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
             velum_phase_lobes lobes = medium_phase(medium);
@@ -446,7 +444,7 @@ void main() {
                 weight /= stay;
             }
             left_m = ray_length(r, d, from_ground, grounded);
-            s.left_m = 0.0;
+            s.left_m = s.tile_m = 0.0;
             state = at_flight;
             ends = dropped || left_m <= 0.0;
         }
@@ -459,7 +457,7 @@ void main() {
                 weight = waiting_weight;
                 order = waiting_order;
                 left_m = ray_length(r, d, waiting_from_ground, grounded);
-                s.left_m = 0.0;
+                s.left_m = s.tile_m = 0.0;
                 state = at_flight;
                 /* Nothing to fly through: the next round ends it. */
             } else {
@@ -481,7 +479,7 @@ void main() {
         lane.flags = uvec4(uint(order), uint(waiting_order), uint(medium) | (uint(chosen_medium) << 8u),
                            (grounded ? 1u : 0u) | (host_solid ? 2u : 0u) | (waiting ? 4u : 0u) |
                                (waiting_from_ground ? 8u : 0u));
-        lane.tile = uvec4(s.slots, s.tile.entry, 0u, 0u);
+        lane.tile = uvec4(s.slots, s.tile.entry, floatBitsToUint(s.tile_m), 0u);
         lane.r = vec4(r, left_m);
         lane.d = vec4(d, ray_m);
         lane.stretch = vec4(s.left_m, s.most_1_m, chosen_m, cloud_weight);

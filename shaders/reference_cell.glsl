@@ -19,11 +19,13 @@ layout(set = 1, binding = VELUM_BIND_REFERENCE_NOISE, std430) readonly buffer no
 const float margin_m = 0.5;
 const float least_step_m = 0.25;
 const float far_m = 1.0e9;
+const float worth_a_cell = 1.0; /* optical depth */
 
 struct stretch {
     float left_m;  /* that the bound still holds for */
     float most_1_m; /* at least the extinction anywhere on it, in each channel */
     uint slots;    /* that can have cloud on it */
+    float tile_m;  /* until the tile ends; 0: not known */
     tile_place tile;
 };
 
@@ -149,7 +151,10 @@ float slot_most(int slot, tile_place tile, velum_page_bounds bounds, vec3 r, vec
     }
     float c = bounds.most.x;
     float excess = (rank - 1.0 + c) / max(c, 1e-6);
-    if (excess > 0.0) {
+    /* Smaller cells where a ray could collide in this one. */
+    float dense = bounds.most.y * (1.0 + 0.6 * bounds.most.z);
+    float most_m = min(reach, leave_heights(h, rise, low, high));
+    if (excess > 0.0 && dense * min(t, most_m) > worth_a_cell) {
         t = far_m;
         rank = noise_cell(q0, v, VELUM_NOISE_SHAPE_CELLS, 0.5, 0, t);
         if (velum_mixes) {
@@ -161,15 +166,18 @@ float slot_most(int slot, tile_place tile, velum_page_bounds bounds, vec3 r, vec
     if (excess <= 0.0) {
         return 0.0;
     }
-    vec3 own = r - wind * eye.weather.z;
-    vec3 turn = noise_place(d, vec4(0.0, 0.0, 0.0, eye.slots[slot].lump_0.w), 1.0);
-    float lump = noise_cell(noise_place(own, eye.slots[slot].lump_0, 1.0), turn, VELUM_NOISE_DETAIL_CELLS, 0.5,
-                            VELUM_NOISE_DETAIL_AT, reach);
-    if (velum_mixes) {
-        own = r - wind * eye.weather.w;
-        lump = velum_detail_mix(lump, noise_cell(noise_place(own, eye.slots[slot].lump_1, 1.0), turn,
-                                                 VELUM_NOISE_DETAIL_CELLS, 0.5, VELUM_NOISE_DETAIL_AT, reach),
-                                eye.drift.x);
+    float lump = 0.8; /* carves nothing */
+    for (int once = dense * min(reach, most_m) > worth_a_cell ? 0 : 1; once < 1; ++once) {
+        vec3 own = r - wind * eye.weather.z;
+        vec3 turn = noise_place(d, vec4(0.0, 0.0, 0.0, eye.slots[slot].lump_0.w), 1.0);
+        lump = noise_cell(noise_place(own, eye.slots[slot].lump_0, 1.0), turn, VELUM_NOISE_DETAIL_CELLS, 0.5,
+                          VELUM_NOISE_DETAIL_AT, reach);
+        if (velum_mixes) {
+            own = r - wind * eye.weather.w;
+            lump = velum_detail_mix(lump, noise_cell(noise_place(own, eye.slots[slot].lump_1, 1.0), turn,
+                                                     VELUM_NOISE_DETAIL_CELLS, 0.5, VELUM_NOISE_DETAIL_AT, reach),
+                                    eye.drift.x);
+        }
     }
     excess -= bounds.shape.z * bounds.shape.w * max(1.6 - 2.0 * lump, 0.0);
     if (excess <= 0.0) {
@@ -218,11 +226,13 @@ float air_most(float h, float rise, inout float reach) {
     return (max(clean.r, max(clean.g, clean.b)) + fog + haze_extinction_1_m(low)) * 1.001;
 }
 
-stretch stretch_from(vec3 r, vec3 d, float left_m, inout bool missing) {
+/* `before`: the one that ends at r, or any other with tile_m 0. */
+stretch stretch_from(vec3 r, vec3 d, float left_m, stretch before, inout bool missing) {
     stretch s;
+    s.tile_m = before.tile_m;
     s.most_1_m = 0.0;
     s.slots = 0u;
-    s.tile = tile_nowhere();
+    s.tile = before.tile;
     float reach = left_m;
     velum_place place = place_of(r);
     vec3 normal = vec3(place.nx, place.ny, place.nz);
@@ -238,9 +248,12 @@ stretch stretch_from(vec3 r, vec3 d, float left_m, inout bool missing) {
         reach = min(reach, reach_heights(h, rise, low, high));
     }
     for (int once = inside ? 0 : 1; once < 1; ++once) {
-        s.tile = tile_find(normal, length(r));
+        s.tile = tile_move(before.tile, normal, length(r));
         missing = missing || s.tile.missing;
-        reach = min(reach, tile_distance(r, d, normal, h));
+        for (int twice = s.tile_m > least_step_m ? 1 : 0; twice < 1; ++twice) {
+            s.tile_m = tile_distance(r, d, normal, h);
+        }
+        reach = min(reach, s.tile_m);
         for (uint rest = s.tile.mask; rest != 0u; rest &= rest - 1u) {
             int slot = findLSB(rest);
             velum_page_bounds bounds = slot_bounds(table[s.tile.entry + VELUM_TABLE_PAGES + uint(slot)]);
@@ -249,6 +262,7 @@ stretch stretch_from(vec3 r, vec3 d, float left_m, inout bool missing) {
             s.slots |= most > 0.0 ? 1u << uint(slot) : 0u;
         }
     }
+    s.tile_m = inside ? s.tile_m : 0.0;
     s.left_m = min(max(reach, least_step_m), left_m);
     return s;
 }

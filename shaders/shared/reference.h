@@ -42,7 +42,7 @@ VELUM_STRUCT(velum_reference_path) {
 VELUM_STRUCT(velum_reference_lane) {
     VELUM_UVEC4(state);  /* what it is at; path; key; drawn */
     VELUM_UVEC4(flags);  /* order, order that waits; media (newest, chosen); bits */
-    VELUM_UVEC4(tile);   /* slots, table entry, 0, 0 */
+    VELUM_UVEC4(tile);   /* slots, table entry, rest of the tile (a float), 0 */
     VELUM_VEC4(r);       /* w: rest of the ray */
     VELUM_VEC4(d);       /* w: along the pixel's ray */
     VELUM_VEC4(stretch); /* rest, bound; chosen distance; weight of cloud */
@@ -87,9 +87,6 @@ VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
 #define VELUM_SLICE_TAKEN 2
 #define VELUM_SLICE_ERROR 3
 #define VELUM_SLICE_WORDS 4
-
-/* Numbers that a path has drawn when roulette begins to end it. */
-#define VELUM_REFERENCE_OLD 5000u
 
 /* Invocations of a work group of the tracer. */
 #define VELUM_REFERENCE_GROUP 64
