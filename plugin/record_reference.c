@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "blocks.h"
+#include "shared/hash.h"
 #include "shared/phase.h"
 #include "shared/reference.h"
 
@@ -400,6 +401,10 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     memset(block->steps, 0, sizeof block->steps);
     block->steps[0] = y->plan.octaves;
     block->frame[0] = 0;
+    /* Pictures of different times have noise of their own. */
+    uint32_t time[2];
+    memcpy(time, &e->frame.time_s, sizeof time);
+    block->frame[3] = velum_hash_3((uint32_t)e->w->seed, time[0], time[1]);
     block->frame[1] &= ~VELUM_VIEW_BLOCK_CUT;
     bool anew = changed(v, block, cut);
     if (anew) {

@@ -130,7 +130,7 @@ static void furnace(const char *name, uint32_t paths) {
         for (int i = 0; i < 3; i++) {
             sun[i] = mu * up[i] + sqrt(1.0 - mu * mu) * (cos(angle) * east[i] + sin(angle) * north[i]);
         }
-        velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_NONE);
+        velum_frame_info frame = fixture_frame(sun, (double)k * 1e-3, VELUM_ATMOSPHERE_NONE);
         for (int i = 0; i < 3; i++) {
             frame.ground_albedo[i] = 1.0f;
         }

@@ -108,7 +108,8 @@ double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, u
     }
     fixture_position(LAT_DEG, LON_DEG, c->up ? BASE_M + thickness_m + 5.0 : BASE_M - 5.0, position);
     const velum_view_frame camera = fixture_camera(position, ahead, right, 0.0005f, 0.0005f);
-    velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_NONE);
+    velum_frame_info frame = fixture_frame(sun, rig->time_s, VELUM_ATMOSPHERE_NONE);
+    rig->time_s += 1.0;
     frame.sun_angular_radius_rad = 1e-5f;
     slab_rig_render(rig, &frame, position, &camera, true, paths);
     double sum = 0.0;

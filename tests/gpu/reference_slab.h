@@ -12,6 +12,7 @@ typedef struct slab_rig {
     velum_view *view;
     float light[SLAB_PIXELS * 3], through[SLAB_PIXELS * 3], variance[SLAB_PIXELS];
     velum_view_stats stats;
+    double time_s; /* each measurement has one of its own, and so its own random numbers */
 } slab_rig;
 
 typedef struct slab_case {
