@@ -86,6 +86,7 @@ bool measure(stage *s, const char *scene, const stage_camera *c, const method_ro
                             .motion = motion,
                             .value = value,
                             .frames = frames,
+                            .paths = r->paths,
                             .stand_in = r->stand_in};
     stage_view v;
     double view_ms[FRAMES_MAX], all_ms[FRAMES_MAX];
@@ -139,7 +140,10 @@ void measure_print(const measurement *m) {
     printf("%-21s %-11s %-22s %9g | %7.4f %7.4f %+7.4f %7.4f %7.4f | %7.2f %8.1f %7.4f %7.2f %7.2f | %7.4f%s%s\n",
            m->scene, m->group, m->name, m->value, m->m.error, m->m.error_corrected, m->m.bias, m->m.p99,
            m->m_8.error_corrected, m->ms, m->ms_per_megapixel, m->rays, m->samples, m->light_samples, m->m.noise,
-           m->stand_in ? " STAND-IN" : "", m->invalid ? " INVALID" : "");
+           m->stand_in       ? " STAND-IN"
+           : m->paths < 16.0 ? " FEW PATHS"
+                             : "",
+           m->invalid ? " INVALID" : "");
     fflush(stdout);
 }
 
@@ -149,9 +153,9 @@ void measure_print_json(FILE *file, const measurement *m) {
             "\"error_corrected\": %.6g, \"noise\": %.6g, \"bias\": %.6g, \"p99\": %.6g, \"error_8x8\": %.6g, "
             "\"noise_8x8\": %.6g, \"mean_cd_m2\": %.6g, \"ms\": %.4f, \"ms_per_megapixel\": %.4f, \"frames\": %u, "
             "\"rays_per_pixel\": %.6g, \"samples_per_pixel\": %.6g, \"light_samples_per_pixel\": %.6g, "
-            "\"invalid_pixels\": %u, \"reference_is_stand_in\": %s}\n",
+            "\"reference_paths\": %g, \"invalid_pixels\": %u, \"reference_is_stand_in\": %s}\n",
             m->scene, m->group, m->name, m->value, m->m.error, m->m.error_corrected, m->m.noise, m->m.bias, m->m.p99,
             m->m_8.error_corrected, m->m_8.noise, m->m.mean, m->ms, m->ms_per_megapixel, m->frames, m->rays, m->samples,
-            m->light_samples, m->invalid, m->stand_in ? "true" : "false");
+            m->light_samples, m->paths, m->invalid, m->stand_in ? "true" : "false");
     fflush(file);
 }

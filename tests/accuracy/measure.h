@@ -17,6 +17,7 @@ typedef struct measurement {
     double ms, ms_per_megapixel;         /* a frame with what views share; of the view alone */
     double rays, samples, light_samples; /* a pixel and frame */
     uint32_t invalid;                    /* pixels of the last frame that are no numbers, or negative */
+    double paths;                        /* a pixel of the reference, at least */
     bool stand_in;
 } measurement;
 

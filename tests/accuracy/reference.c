@@ -10,7 +10,7 @@
 
 #include "metric.h"
 
-enum { KEY_MAX = 2048, STAND_IN_FRAMES = 16, LEAST_PATHS = 16 };
+enum { KEY_MAX = 2048, STAND_IN_FRAMES = 16, LEAST_PATHS = 16, PATIENCE = 4 };
 
 static void make_key(const stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                      const reference_options *options, char key[KEY_MAX]) {
@@ -138,6 +138,8 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
             done = r->frames + 1 >= STAND_IN_FRAMES;
         } else if (r->paths >= LEAST_PATHS) {
             done = r->noise_8 <= options->error || r->seconds >= options->seconds;
+        } else {
+            done = r->seconds >= PATIENCE * options->seconds;
         }
         if (isatty(STDERR_FILENO) && (done || stage_now_ms() - told_ms > 500.0)) {
             told_ms = stage_now_ms();
@@ -145,11 +147,15 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
                     r->paths, r->noise, r->noise_8, done ? "\n" : "");
         }
     }
+    bool starved = !r->stand_in && r->paths < 2.0;
     if (result < 0) {
         stage_fail(s, "reference", result);
+    } else if (starved) {
+        fprintf(stderr, "velum-accuracy: %s: %.0f paths a pixel in %.0f s are no reference; --seconds\n", name,
+                r->paths, r->seconds);
     }
     stage_view_finish(&v, s);
-    return result < 0 ? STAGE_FAILED : STAGE_OK;
+    return result < 0 || starved ? STAGE_FAILED : STAGE_OK;
 }
 
 int reference_get(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
