@@ -68,6 +68,8 @@ refused '--pose: height: found .nan.' play "$good" --pose 0,0,nan,0,0,0
 refused '--pose: height: found .6e7., expected -10000 to 5e.07' play "$good" --pose 0,0,6e7,0,0,0
 refused '--quality: found .best.' play "$good" --quality best
 refused '--spp needs --quality reference' play "$good" --spp 16
+refused '--error needs --quality reference' play "$good" --error 0.1
+refused '--error: found .0.' play "$good" --quality reference --error 0
 refused '--device: found .fast.' play "$good" --device fast
 refused '--window does not go with --out' play "$good" --window --out "$work/x"
 refused 'no display' play "$good" --window
