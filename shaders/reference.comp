@@ -391,7 +391,7 @@ void main() {
             r = origin;
             from_ground = medium == medium_ground;
             /* Half of those that have come so far go on, at each power of two. */
-            bool fork = order >= 256 && (order & (order - 1)) == 0;
+            bool fork = order >= 4096 && (order & (order - 1)) == 0;
             bool dropped = order == greatest_order || (fork && draw() < 0.5);
             weight *= fork ? 2.0 : 1.0;
             velum_place place = place_of(r);
