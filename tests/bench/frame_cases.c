@@ -13,8 +13,8 @@ typedef struct variant {
 
 /* Series of each variant. Too large for a stack: one set, in the one thread that there is. */
 typedef struct figures {
-    bench_series wall, cpu, record, gpu, shared, march, resolve, view[SCENE_VIEWS], rays, samples, light, weather,
-        memory;
+    bench_series wall, cpu, record, gpu, shared, shadow, march, resolve, view[SCENE_VIEWS], rays, samples, light,
+        weather, memory;
 } figures;
 
 static void add(figures *f, const scene_frame *frame, uint32_t views) {
@@ -23,6 +23,7 @@ static void add(figures *f, const scene_frame *frame, uint32_t views) {
     bench_add(&f->record, frame->record_ms);
     bench_add(&f->gpu, frame->gpu_ms);
     bench_add(&f->shared, frame->shared_ms);
+    bench_add(&f->shadow, frame->shadow_ms);
     bench_add(&f->march, frame->march_ms);
     bench_add(&f->resolve, frame->resolve_ms);
     for (uint32_t i = 0; i < views; i++) {
@@ -42,6 +43,7 @@ static void report(const bench *b, const variant *v, const figures *f) {
     bench_report(b, v->name, "record", "ms", &f->record);
     bench_report(b, v->name, "gpu", "ms", &f->gpu);
     bench_report(b, v->name, "gpu_shared", "ms", &f->shared);
+    bench_report(b, v->name, "gpu_shadow", "ms", &f->shadow);
     bench_report(b, v->name, "gpu_march", "ms", &f->march);
     bench_report(b, v->name, "gpu_resolve", "ms", &f->resolve);
     for (uint32_t i = 0; i < v->views; i++) {
@@ -54,8 +56,8 @@ static void report(const bench *b, const variant *v, const figures *f) {
     bench_report(b, v->name, "view_memory", "bytes", &f->memory);
 }
 
-/* Variants in turn, each settled before; time goes on by 1/60 s a frame. */
-static bool run_variants(bench *b, const variant *variants, uint32_t count, figures *f) {
+/* Variants in turn, each settled before. Time stands, or goes on by step_s a frame, with a shadow map to be renewed. */
+static bool run_variants(bench *b, const variant *variants, uint32_t count, double step_s, figures *f) {
     scene s;
     scene_eye eyes[VARIANTS];
     memset(eyes, 0, sizeof eyes);
@@ -63,7 +65,7 @@ static bool run_variants(bench *b, const variant *variants, uint32_t count, figu
     if (!scene_init(&s, b)) {
         return false;
     }
-    bool ok = true;
+    bool ok = step_s == 0.0 || scene_shadow(&s);
     for (uint32_t v = 0; v < count && ok; v++) {
         ok = scene_eye_init(&s, &eyes[v], variants[v].quality, variants[v].views, variants[v].width,
                             variants[v].height) &&
@@ -73,7 +75,7 @@ static bool run_variants(bench *b, const variant *variants, uint32_t count, figu
         for (uint32_t v = 0; v < count && ok; v++) {
             for (uint32_t i = 0; i < b->frames + 1 && ok; i++) {
                 scene_frame frame;
-                s.time_s += 1.0 / 60.0;
+                s.time_s += step_s;
                 ok = scene_draw(&s, &eyes[v], &frame);
                 if (i > 0 && ok) { /* the first after another variant pays for its caches */
                     add(&f[v], &frame, variants[v].views);
@@ -95,11 +97,13 @@ static bool run_variants(bench *b, const variant *variants, uint32_t count, figu
 
 static figures series[VARIANTS];
 
-static bool channels(bench *b) {
+#define PLAY_STEP_S (1.0 / 60.0)
+
+static bool run_channels(bench *b, double step_s) {
     static const variant variants[] = {{"1 channel", VELUM_QUALITY_MEDIUM, 1, 640, 360},
                                        {"2 channels", VELUM_QUALITY_MEDIUM, 2, 640, 360},
                                        {"3 channels", VELUM_QUALITY_MEDIUM, 3, 640, 360}};
-    if (!run_variants(b, variants, 3, series)) {
+    if (!run_variants(b, variants, 3, step_s, series)) {
         return false;
     }
     /* What a channel adds to a frame, and its share of the first one's. */
@@ -118,11 +122,19 @@ static bool channels(bench *b) {
     return true;
 }
 
+static bool channels(bench *b) {
+    return run_channels(b, 0.0);
+}
+
+static bool channels_playing(bench *b) {
+    return run_channels(b, PLAY_STEP_S);
+}
+
 static bool resolutions(bench *b) {
     static const variant variants[] = {{"640x360", VELUM_QUALITY_MEDIUM, 1, 640, 360},
                                        {"960x540", VELUM_QUALITY_MEDIUM, 1, 960, 540},
                                        {"1920x1080", VELUM_QUALITY_MEDIUM, 1, 1920, 1080}};
-    return run_variants(b, variants, 3, series);
+    return run_variants(b, variants, 3, PLAY_STEP_S, series);
 }
 
 static bool views(bench *b) {
@@ -130,7 +142,7 @@ static bool views(bench *b) {
                                        {"2 views", VELUM_QUALITY_MEDIUM, 2, 640, 360},
                                        {"3 views", VELUM_QUALITY_MEDIUM, 3, 640, 360},
                                        {"4 views", VELUM_QUALITY_MEDIUM, 4, 640, 360}};
-    return run_variants(b, variants, 4, series);
+    return run_variants(b, variants, 4, PLAY_STEP_S, series);
 }
 
 static bool presets(bench *b) {
@@ -138,7 +150,7 @@ static bool presets(bench *b) {
                                        {"medium", VELUM_QUALITY_MEDIUM, 1, 640, 360},
                                        {"high", VELUM_QUALITY_HIGH, 1, 640, 360},
                                        {"ultra", VELUM_QUALITY_ULTRA, 1, 640, 360}};
-    return run_variants(b, variants, 4, series);
+    return run_variants(b, variants, 4, PLAY_STEP_S, series);
 }
 
 /* Ten minutes of wind: tiles change when the weather does. */
@@ -231,6 +243,7 @@ static bool first_frames(bench *b) {
 
 const bench_case bench_frame_cases[] = {
     {"channels", "1, 2 and 3 channels of 640x360, settled, medium; the cost of each", channels},
+    {"channels_playing", "the same while time goes on: 1/60 s a frame, a shadow map renewed", channels_playing},
     {"resolutions", "640x360, 960x540, 1920x1080, one view, settled, medium", resolutions},
     {"views", "1 to 4 views of 640x360, settled, medium", views},
     {"presets", "low, medium, high, ultra; one view of 640x360, settled", presets},

@@ -80,6 +80,12 @@ bool scene_engine(scene *s) {
     return result >= 0 || bench_fail(s->b, "create engine", result);
 }
 
+bool scene_shadow(scene *s) {
+    const velum_shadow_desc desc = {.struct_size = sizeof desc};
+    velum_result result = s->b->host.engine->create_shadow(s->engine, &desc, &s->shadow);
+    return result >= 0 || bench_fail(s->b, "create shadow", result);
+}
+
 bool scene_init(scene *s, bench *b) {
     if (!create_world(s, b)) {
         return false;
@@ -133,6 +139,9 @@ done:
 }
 
 void scene_finish(scene *s) {
+    if (s->shadow) {
+        s->b->host.engine->destroy_shadow(s->shadow);
+    }
     if (s->engine) {
         s->b->host.engine->complete(s->engine, s->serial);
         velum_result result = s->b->host.engine->destroy(s->engine);
@@ -203,6 +212,7 @@ static void read_stats(scene *s, const scene_eye *eye, scene_frame *out) {
         out->march_ms += (double)stats.march_ms;
         out->resolve_ms += (double)stats.resolve_ms;
         out->shared_ms = (double)stats.shared_ms;
+        out->shadow_ms = (double)stats.shadow_ms;
         out->gpu_ms += out->view_ms[i];
         out->rays += (double)stats.rays;
         out->samples += (double)stats.samples;
@@ -211,7 +221,7 @@ static void read_stats(scene *s, const scene_eye *eye, scene_frame *out) {
         out->view_bytes += (double)stats.view_bytes;
         out->incomplete = out->incomplete || stats.incomplete;
     }
-    out->gpu_ms += out->shared_ms;
+    out->gpu_ms += out->shared_ms + out->shadow_ms;
 }
 
 bool scene_draw(scene *s, scene_eye *eye, scene_frame *out) {
@@ -236,6 +246,11 @@ bool scene_draw(scene *s, scene_eye *eye, scene_frame *out) {
     s->serial++;
     result = host->vulkan->record_shared(s->engine, commands, &eye_frame, 1, 0);
     out->incomplete = result == VELUM_INCOMPLETE;
+    if (s->shadow && result >= 0) {
+        velum_shadow_frame shadow = {.struct_size = sizeof shadow};
+        memcpy(shadow.centre_ecef_m, s->position_ecef_m, sizeof shadow.centre_ecef_m);
+        result = host->vulkan->record_shadow(s->shadow, commands, &shadow);
+    }
     for (uint32_t i = 0; i < eye->count && result >= 0; i++) {
         velum_view_frame view = view_frame(s, eye, i);
         result = host->vulkan->record_view(eye->views[i], commands, &view, &eye->images[i]);

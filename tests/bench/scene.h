@@ -12,6 +12,7 @@ typedef struct scene {
     bench *b;
     velum_world *world;
     velum_engine *engine;
+    velum_shadow *shadow; /* null: frames have no shadow map */
     uint64_t serial;
     double time_s;
     double position_ecef_m[3], right[3], up[3], forward[3];
@@ -33,7 +34,7 @@ typedef struct scene_frame {
     double wall_ms;   /* recording, submission, completion */
     double cpu_ms;    /* of all threads; with a software device that is its work */
     double record_ms; /* of that, the host's thread in the plugin */
-    double shared_ms, view_ms[SCENE_VIEWS], gpu_ms;
+    double shared_ms, shadow_ms, view_ms[SCENE_VIEWS], gpu_ms;
     double march_ms, resolve_ms; /* of all views */
     double rays, samples, light_samples;
     double weather_bytes, view_bytes;
@@ -46,6 +47,8 @@ void scene_finish(scene *s);
 /* Only a world, with the real forecast and reports if they are there. */
 bool scene_world(scene *s, bench *b, velum_weather_report *report);
 bool scene_engine(scene *s);
+/* From now on frames renew a shadow map around the eye, and views light their ground through it. */
+bool scene_shadow(scene *s);
 void scene_place(scene *s, double lat_deg, double lon_deg, double height_m);
 
 /* Views side by side, 40 degrees each. */
