@@ -212,7 +212,7 @@ float air_most(float h, float rise, inout float reach) {
     }
     bool fog_on = eye.drift.y > 0.0;
     float fog_top = eye.drift.z + margin_m;
-    float dh = fog_on && h < fog_top ? 60.0 : 300.0 + 0.25 * max(h, 0.0);
+    float dh = fog_on && h < fog_top ? 60.0 : 1000.0 + max(h, 0.0);
     reach = min(reach, min(dh / max(abs(rise), 1e-6), sqrt(2.0 * VELUM_WGS84_A_M * dh)));
     reach = fog_on && h > fog_top ? min(reach, reach_heights(h, rise, -2000.0, fog_top)) : reach;
     float low = h + min(rise, 0.0) * reach;
