@@ -38,10 +38,10 @@ float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fi
 static float detail_of(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float phases[2][4],
                        const float point_m[3]) {
     int life = only_life(cloud);
-    velum_noise_point p = place_in(cloud, fields, phases[life], 1.0f, life, point_m);
+    velum_noise_point p = place_in(cloud, fields, phases[life], cloud->stretch, life, point_m);
     float detail = core_noise_detail(cloud->noise, p.x, p.y, p.z);
     if (cloud->drifting) {
-        p = place_in(cloud, fields, phases[1], 1.0f, 1, point_m);
+        p = place_in(cloud, fields, phases[1], cloud->stretch, 1, point_m);
         detail = velum_detail_mix(detail, core_noise_detail(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
     }
     return detail;

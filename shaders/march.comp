@@ -220,7 +220,7 @@ void main() {
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
             bool here = (tile.mask & bit) != 0u;
-            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : 0.1 * at);
+            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : tile.clear_m);
             advance = min(advance, away);
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
@@ -259,10 +259,12 @@ void main() {
 
         /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
-        float gap = max(-e, 0.0) * f.coverage * 0.05 * period_m;
-        float clear = covered ? max(-margin, 0.0) * 0.02 * period_m : 0.0;
-        float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), 0.1 * at + 500.0);
-        float own = f.coverage <= 0.0 ? 0.05 * at : (within ? gap : climb);
+        /* All for fields that do not change much: a page tells nothing beyond its next texel. */
+        float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
+        float gap = min(max(-e, 0.0) * f.coverage * 0.05 * period_m, texel_m);
+        float clear = covered ? min(max(-margin, 0.0) * 0.012 * period_m, texel_m) : 0.0;
+        float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
+        float own = f.coverage <= 0.0 ? 0.0 : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         hit.slot = slot;

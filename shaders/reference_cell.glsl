@@ -169,12 +169,12 @@ float slot_most(int slot, tile_place tile, velum_page_bounds bounds, vec3 r, vec
     float lump = 0.8; /* carves nothing */
     for (int once = dense * min(reach, most_m) > worth_a_cell ? 0 : 1; once < 1; ++once) {
         vec3 own = r - wind * eye.weather.z;
-        vec3 turn = noise_place(d, vec4(0.0, 0.0, 0.0, eye.slots[slot].lump_0.w), 1.0);
-        lump = noise_cell(noise_place(own, eye.slots[slot].lump_0, 1.0), turn, VELUM_NOISE_DETAIL_CELLS, 0.5,
+        vec3 turn = noise_place(d, vec4(0.0, 0.0, 0.0, eye.slots[slot].lump_0.w), stretch_z);
+        lump = noise_cell(noise_place(own, eye.slots[slot].lump_0, stretch_z), turn, VELUM_NOISE_DETAIL_CELLS, 0.5,
                           VELUM_NOISE_DETAIL_AT, reach);
         if (velum_mixes) {
             own = r - wind * eye.weather.w;
-            lump = velum_detail_mix(lump, noise_cell(noise_place(own, eye.slots[slot].lump_1, 1.0), turn,
+            lump = velum_detail_mix(lump, noise_cell(noise_place(own, eye.slots[slot].lump_1, stretch_z), turn,
                                                      VELUM_NOISE_DETAIL_CELLS, 0.5, VELUM_NOISE_DETAIL_AT, reach),
                                     eye.drift.x);
         }

@@ -21,12 +21,14 @@ struct tile_place {
     uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
     uint mask;  /* slots with cloud */
     float scale; /* of coordinates at the level asked for, to the page's */
+    float side_m; /* of the tile whose page it is, nominal */
+    float clear_m; /* from the place to the tile's nearest edge, at least */
     vec2 uv;     /* in a page */
     bool missing;
 };
 
 tile_place tile_nowhere() {
-    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, vec2(0.0), false);
+    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, VELUM_TILE_FACE_M, 0.0, vec2(0.0), false);
 }
 
 /* The entry that stands for a place at a level, or for the finest coarser one that there is. */
@@ -45,7 +47,9 @@ tile_place tile_look_up(velum_face_place face, int wanted, uint key) {
             if (found == found_key) {
                 place.entry = word;
                 place.mask = table[word + 2u] & eye.table.z;
-                place.scale = 1.0 / float(1u << (uint(wanted) - table[word + 1u]));
+                uint data_level = table[word + 1u];
+                place.scale = 1.0 / float(1u << (uint(wanted) - data_level));
+                place.side_m = VELUM_TILE_FACE_M / float(1u << data_level);
                 return place;
             }
             if (found == VELUM_TILE_KEY_NONE) {
@@ -71,6 +75,9 @@ tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
         place = tile_look_up(face, int(level), key);
     }
     vec2 within = fract(vec2(x, y) * place.scale);
+    /* Tangent-warped tiles are narrower than their nominal side by up to 1 - 1 / sqrt(2). */
+    vec2 edge = min(within, 1.0 - within);
+    place.clear_m = min(edge.x, edge.y) * place.side_m * 0.7;
     place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
     return place;
 }
@@ -122,23 +129,24 @@ float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float heig
 }
 
 /* Detail noise, 0..1, at r with the phases of one of its two scales. */
-float drifted_detail(velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1) {
+float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1) {
+    float stretch = eye.slots[slot].bounds.z;
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 p = noise_place(r - wind * eye.weather.z, phase_0, 1.0);
+    vec3 p = noise_place(r - wind * eye.weather.z, phase_0, stretch);
     float n = velum_detail_at(p.x, p.y, p.z);
     if (velum_mixes) {
-        p = noise_place(r - wind * eye.weather.w, phase_1, 1.0);
+        p = noise_place(r - wind * eye.weather.w, phase_1, stretch);
         n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
     return n;
 }
 
 float lump_noise(int slot, velum_slot_fields f, vec3 r) {
-    return 2.0 * drifted_detail(f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1) - 1.0;
+    return 2.0 * drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1) - 1.0;
 }
 
 float fine_noise(int slot, velum_slot_fields f, vec3 r) {
-    return drifted_detail(f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1);
+    return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1);
 }
 
 #endif

@@ -24,6 +24,7 @@ VELUM_STRUCT(velum_profile) {
     float softness;     /* of the boundary, in e */
     float erosion;      /* of the boundary by fine detail, in e */
     float foot;         /* share of the carving at the base: little leaves plates, all of it ragged feet */
+    float tuck;         /* g at the base: what lies near the rim begins higher up */
     float stem;         /* g below the anvil, 0: none */
     float growth;       /* of water with height: 0 constant, 1 adiabatic (linear) */
     float base_soft_m;  /* the base is not a knife's edge */
@@ -35,7 +36,7 @@ VELUM_STRUCT(velum_slot_noise) {
     float shape_period_m;
     float lump_period_m;
     float fine_period_m;
-    float stretch; /* of the shape along one axis of the noise */
+    float stretch; /* of all three along two axes of the noise: below 1 there are fibres across the third */
 };
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {
@@ -48,17 +49,17 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 20000.0f;
-        n.lump_period_m = 7000.0f;
+        n.shape_period_m = 15000.0f;
+        n.lump_period_m = 6000.0f;
         n.fine_period_m = 1100.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 8000.0f;
-        n.lump_period_m = 5000.0f;
-        n.fine_period_m = 800.0f;
-        n.stretch = 0.3f;
+        n.shape_period_m = 4200.0f;
+        n.lump_period_m = 2100.0f;
+        n.fine_period_m = 430.0f;
+        n.stretch = 0.22f;
     }
     return n;
 }
@@ -71,6 +72,7 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
     p.softness = velum_mix(a.softness, b.softness, t);
     p.erosion = velum_mix(a.erosion, b.erosion, t);
     p.foot = velum_mix(a.foot, b.foot, t);
+    p.tuck = velum_mix(a.tuck, b.tuck, t);
     p.stem = velum_mix(a.stem, b.stem, t);
     p.growth = velum_mix(a.growth, b.growth, t);
     p.base_soft_m = velum_mix(a.base_soft_m, b.base_soft_m, t);
@@ -88,6 +90,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     p.softness = softness;
     p.erosion = erosion;
     p.foot = 0.35f;
+    p.tuck = 0.0f;
     p.stem = stem;
     p.growth = growth;
     p.base_soft_m = base_soft_m;
@@ -131,7 +134,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                     2.0f * kind - 1.0f);
         }
     }
-    p.foot = slot == VELUM_SLOT_CUMULUS ? 0.85f : p.foot;
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : p.foot;
+    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : p.tuck;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured = velum_calibration_of(slot, kind, fields.coverage, thickness_m,
                                                       fields.extinction_1_m * thickness_m);
@@ -148,9 +152,14 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
     return c > 1.0e-6f ? (rank - 1.0f + c) / c : -1.0f;
 }
 
+/* Height fraction up to which the rim is tucked in. */
+#define VELUM_TUCK_TOP 0.3f
+
 /* Threshold of e at height fraction z. */
 VELUM_FN float velum_threshold(velum_profile p, float z) {
     float g = p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
+    float low = 1.0f - VELUM_MIN(z * (1.0f / VELUM_TUCK_TOP), 1.0f);
+    g = g + p.tuck * low * low;
     if (p.stem > 0.0f) {
         g = g + p.stem * (1.0f - velum_smoothstep(0.62f, 0.86f, z));
     }

@@ -85,9 +85,9 @@ VELUM_STRUCT(velum_noise_point) {
 VELUM_FN velum_noise_point velum_noise_place(float phase_x, float phase_y, float phase_z, float period_inv_1_m,
                                              float stretch, float rx, float ry, float rz) {
     velum_noise_point p;
-    p.x = phase_x + (VELUM_NOISE_AX * rx + VELUM_NOISE_AY * ry + VELUM_NOISE_AZ * rz) * period_inv_1_m;
-    p.y = phase_y + (VELUM_NOISE_BX * rx + VELUM_NOISE_BY * ry + VELUM_NOISE_BZ * rz) * period_inv_1_m;
-    p.z = phase_z + (VELUM_NOISE_CX * rx + VELUM_NOISE_CY * ry + VELUM_NOISE_CZ * rz) * stretch * period_inv_1_m;
+    p.x = phase_x + (VELUM_NOISE_AX * rx + VELUM_NOISE_AY * ry + VELUM_NOISE_AZ * rz) * stretch * period_inv_1_m;
+    p.y = phase_y + (VELUM_NOISE_BX * rx + VELUM_NOISE_BY * ry + VELUM_NOISE_BZ * rz) * stretch * period_inv_1_m;
+    p.z = phase_z + (VELUM_NOISE_CX * rx + VELUM_NOISE_CY * ry + VELUM_NOISE_CZ * rz) * period_inv_1_m;
     return p;
 }
 

@@ -13,7 +13,7 @@
 
 velum_calibration trial_calibration = {1.0f, 1.0f, 1.0f};
 
-#define COLUMNS 5000
+#define COLUMNS 20000
 #define STEPS 48
 #define ROUNDS 12
 /* Of covered columns, those that the top cuts off: twice the percentile that stands for it. */
