@@ -262,7 +262,7 @@ void main() {
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
         float gap = min(max(-e, 0.0) * f.coverage * 0.05 * period_m, texel_m);
-        float clear = covered ? min(max(-margin, 0.0) * 0.012 * period_m, texel_m) : 0.0;
+        float clear = covered ? min(max(-margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
         float own = f.coverage <= 0.0 ? 0.0 : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
