@@ -37,6 +37,8 @@ typedef enum pass {
     PASS_SKY,
     PASS_MARCH,
     PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
+    PASS_MARCH_STUDY, /* these two are made with the first eye that wants them */
+    PASS_MARCH_STUDY_MIXED,
     PASS_RESOLVE,
     PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
     PASS_RESOLVE_LAYERED,
@@ -62,6 +64,8 @@ typedef struct pipelines {
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size);
 /* Invocations of a work group of PASS_REFERENCE: on software devices one thread's vector. */
 uint32_t pipelines_reference_lanes(const gpu *g);
+/* [control] Of VELUM_EYE_STUDY, if they are not there yet. */
+velum_result pipelines_add_study(pipelines *p, gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
 void pipelines_finish(pipelines *p, gpu *g);
@@ -150,6 +154,7 @@ struct eye {
     velum_eye *handle;
     eye *next;
     int32_t quality;
+    bool has_study; /* VELUM_EYE_STUDY */
     uint32_t view_count;
     uint64_t last_serial; /* that uses its device objects */
     tiles tiles;
@@ -212,7 +217,7 @@ struct view {
     uint32_t width, height;
     uint64_t last_serial;
     uint64_t frame;    /* engine's count; 0: none */
-    uint32_t ray_side; /* of the newest frame */
+    uint32_t ray_rate; /* of the newest frame */
     gpu_image march_light, march_distance;
     gpu_image history[2], history_data[2];
     uint32_t newest;  /* of history */
@@ -309,6 +314,8 @@ velum_result noise_volumes_record(engine *e, VkCommandBuffer commands);
 
 /* plan.c */
 void plan_make(const engine *e, eye *y);
+/* Whether it asks for what the ordinary pipelines do not do. */
+bool plan_is_study(const velum_plan *plan);
 velum_result plan_impose(eye *y, const velum_plan *plan);
 
 #endif

@@ -84,7 +84,8 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
     checker check = {&e->sink, "engine", "create_eye", VELUM_OK};
     velum_eye_desc d;
     if (!check_pointer(&check, "out", out) || !is_idle(&check, e) ||
-        !check_in(&check, "desc", &d, sizeof d, desc, V1_EYE_DESC) || !check_flags(&check, "desc.flags", d.flags, 0) ||
+        !check_in(&check, "desc", &d, sizeof d, desc, V1_EYE_DESC) ||
+        !check_flags(&check, "desc.flags", d.flags, VELUM_EYE_STUDY) ||
         !check_zero(&check, "desc.reserved", d.reserved) ||
         !check_range(&check, "desc.quality", d.quality, VELUM_QUALITY_DEFAULT, VELUM_QUALITY_REFERENCE)) {
         return check.result;
@@ -93,8 +94,14 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
         check_fail(&check, VELUM_ERROR_FLAGS, "desc.budget_ms and budget_error: expected 0 (reserved)");
         return check.result;
     }
-    if (d.quality == VELUM_QUALITY_REFERENCE) {
-        velum_result result = reference_enable(e);
+    bool is_reference = d.quality == VELUM_QUALITY_REFERENCE;
+    bool has_study = (d.flags & VELUM_EYE_STUDY) != 0;
+    if (is_reference && has_study) {
+        check_fail(&check, VELUM_ERROR_FLAGS, "desc.flags: VELUM_EYE_STUDY is not for VELUM_QUALITY_REFERENCE");
+        return check.result;
+    }
+    if (is_reference || has_study) {
+        velum_result result = is_reference ? reference_enable(e) : pipelines_add_study(&e->passes, &e->g);
         if (result < 0) {
             return result;
         }
@@ -105,6 +112,7 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
         return check.result;
     }
     y->e = e;
+    y->has_study = has_study;
     y->quality = d.quality == VELUM_QUALITY_DEFAULT ? VELUM_QUALITY_MEDIUM : d.quality;
     if (!init_storage_2d(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_W, VELUM_SKY_H)) {
         free_eye(y);

@@ -8,6 +8,7 @@
 #include "air.spv.h"
 #include "glow.spv.h"
 #include "march.spv.h"
+#include "march_study.spv.h"
 #include "reference.spv.h"
 #include "reference_error.spv.h"
 #include "reference_resolve.spv.h"
@@ -120,6 +121,8 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     switch (which) {
     case PASS_MARCH:
     case PASS_MARCH_MIXED:
+    case PASS_MARCH_STUDY:
+    case PASS_MARCH_STUDY_MIXED:
     case PASS_RESOLVE:
     case PASS_RESOLVE_GROUND:
     case PASS_RESOLVE_LAYERED:
@@ -149,6 +152,8 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH_STUDY] = {velum_march_study_spv, sizeof velum_march_study_spv},
+        [PASS_MARCH_STUDY_MIXED] = {velum_march_study_spv, sizeof velum_march_study_spv},
         [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
         [PASS_RESOLVE_GROUND] = {velum_resolve_spv, sizeof velum_resolve_spv},
         [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
@@ -162,8 +167,9 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
     /* Constant 0 of weather.glsl and of resolve.comp. */
-    const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
-                          which == PASS_RESOLVE_LAYERED_GROUND || which == PASS_REFERENCE_MIXED;
+    const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
+                          which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND ||
+                          which == PASS_REFERENCE_MIXED;
     /* Constant 1: invocations of the tracer's group. */
     const struct {
         VkBool32 more;
@@ -215,13 +221,22 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
     for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
-        ok = create_pipeline(p, g, (pass)i);
+        bool later = i == PASS_MARCH_STUDY || i == PASS_MARCH_STUDY_MIXED;
+        ok = later || create_pipeline(p, g, (pass)i);
     }
     if (!ok) {
         pipelines_finish(p, g);
         return gpu_result(g);
     }
     return VELUM_OK;
+}
+
+velum_result pipelines_add_study(pipelines *p, gpu *g) {
+    bool ok = true;
+    for (uint32_t i = PASS_MARCH_STUDY; ok && i <= PASS_MARCH_STUDY_MIXED; i++) {
+        ok = p->pipeline[i] || create_pipeline(p, g, (pass)i);
+    }
+    return ok ? VELUM_OK : gpu_result(g);
 }
 
 velum_result pipelines_add_reference(pipelines *p, gpu *g) {

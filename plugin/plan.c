@@ -78,6 +78,36 @@ void plan_make(const engine *e, eye *y) {
     }
 }
 
+bool plan_is_study(const velum_plan *p) {
+    return p->flags != 0 || p->integrator != 0 || p->scattering != 0 || p->sun_depth != 0 || p->long_step != 0.0f ||
+           p->thin_density != 0.0f || p->exit_transmittance != 0.0f;
+}
+
+static bool check_study(checker *check, const eye *y, const velum_plan *p) {
+    const uint32_t flags = VELUM_PLAN_STEP_THROUGH | VELUM_PLAN_BASE_SEARCH | VELUM_PLAN_LIGHT_ALL;
+    if (!check_flags(check, "plan.flags", p->flags, flags) ||
+        !check_count(check, "plan.integrator", p->integrator, 0, VELUM_INTEGRATOR_TRAPEZOID) ||
+        !check_count(check, "plan.scattering", p->scattering, 0, VELUM_SCATTERING_OCTAVES) ||
+        !check_count(check, "plan.sun_depth", p->sun_depth, 0, VELUM_SUN_DEPTH_MAP) ||
+        (p->long_step != 0.0f && !check_range(check, "plan.long_step", (double)p->long_step, 1.0, 64.0)) ||
+        !check_range(check, "plan.thin_density", (double)p->thin_density, 0.0, 1.0) ||
+        (p->exit_transmittance != 0.0f &&
+         !check_range(check, "plan.exit_transmittance", (double)p->exit_transmittance, (double)1e-6f, (double)0.9f))) {
+        return false;
+    }
+    if (y->has_study || !plan_is_study(p)) {
+        return true;
+    }
+    const char *field = p->flags                 ? "flags"
+                        : p->integrator          ? "integrator"
+                        : p->scattering          ? "scattering"
+                        : p->sun_depth           ? "sun_depth"
+                        : p->long_step > 0.0f    ? "long_step"
+                        : p->thin_density > 0.0f ? "thin_density"
+                                                 : "exit_transmittance";
+    return check_fail(check, VELUM_ERROR_STATE, "plan.%s: expected 0: the eye was made without VELUM_EYE_STUDY", field);
+}
+
 velum_result plan_impose(eye *y, const velum_plan *plan) {
     engine *e = y->e;
     checker check = {&e->sink, "eye", "set_plan", VELUM_OK};
@@ -90,7 +120,7 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         y->is_imposed = false;
         return VELUM_OK;
     }
-    if (!check_in(&check, "plan", &p, sizeof p, plan, V1_PLAN) || !check_flags(&check, "plan.flags", p.flags, 0) ||
+    if (!check_in(&check, "plan", &p, sizeof p, plan, V1_PLAN) ||
         !check_flags(&check, "plan.active_layers", p.active_layers, (1u << VELUM_SLOT_COUNT) - 1u) ||
         !check_count(&check, "plan.march_steps", p.march_steps, 1, 4096) ||
         !check_count(&check, "plan.light_steps", p.light_steps, 1, 64) ||
@@ -102,12 +132,11 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         !check_range(&check, "plan.distance_m", (double)p.distance_m, 1.0, 1e7)) {
         return check.result;
     }
-    if (p.ray_rate != 1 && p.ray_rate != 4 && p.ray_rate != 16) {
-        check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 4 or 16", p.ray_rate);
+    if (p.ray_rate != 1 && p.ray_rate != 2 && p.ray_rate != 4 && p.ray_rate != 16) {
+        check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4 or 16", p.ray_rate);
         return check.result;
     }
-    if (p.reserved != 0.0f) {
-        check_fail(&check, VELUM_ERROR_FLAGS, "plan.reserved: expected 0");
+    if (!check_study(&check, y, &p)) {
         return check.result;
     }
     p.struct_size = sizeof p;

@@ -155,12 +155,13 @@ static bool weather_jumped(const engine *e, const camera *before, const camera *
     return false;
 }
 
-static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now, uint32_t side) {
+static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
+                        uint32_t ray_rate) {
     const camera *before = &v->before;
     double dt = now->time_s - before->time_s;
     return !v->has_camera || (f->flags & VELUM_VIEW_CUT) || v->eye->reset || now->width != before->width ||
            now->height != before->height || now->flags != before->flags || dt < 0.0 || dt > JUMP_S ||
-           v->ray_side != side || weather_jumped(e, before, now);
+           v->ray_rate != ray_rate || weather_jumped(e, before, now);
 }
 
 static bool stands_still(const camera *a, const camera *b) {
@@ -185,8 +186,31 @@ static void fill_axes(const camera *c, const double origin[3], float right[4], f
     offset[3] = c->tan[3];
 }
 
-static uint32_t side_of(uint32_t ray_rate) {
-    return ray_rate == 16 ? 4 : ray_rate == 4 ? 2 : 1;
+/* Pixels of a ray's block. Two lie side by side, their turns alternating from row to row: a checkerboard. */
+typedef struct block_size {
+    uint32_t w, h;
+} block_size;
+
+static block_size block_of(uint32_t ray_rate) {
+    const uint32_t side = ray_rate == 16 ? 4 : ray_rate == 4 ? 2 : 1;
+    return ray_rate == 2 ? (block_size){2, 1} : (block_size){side, side};
+}
+
+_Static_assert(VELUM_STUDY_STEP_THROUGH == VELUM_PLAN_STEP_THROUGH &&
+                   VELUM_STUDY_BASE_SEARCH == VELUM_PLAN_BASE_SEARCH && VELUM_STUDY_LIGHT_ALL == VELUM_PLAN_LIGHT_ALL &&
+                   VELUM_STUDY_BEFORE == VELUM_INTEGRATOR_BEFORE && VELUM_STUDY_AFTER == VELUM_INTEGRATOR_AFTER &&
+                   VELUM_STUDY_TRAPEZOID == VELUM_INTEGRATOR_TRAPEZOID &&
+                   VELUM_STUDY_OCTAVES == VELUM_SCATTERING_OCTAVES &&
+                   VELUM_STUDY_SUN_COARSE == VELUM_SUN_DEPTH_COARSE && VELUM_STUDY_SUN_FINE == VELUM_SUN_DEPTH_FINE &&
+                   VELUM_STUDY_SUN_MAP == VELUM_SUN_DEPTH_MAP,
+               "shaders and ABI name the same methods");
+
+static void fill_study(const velum_plan *plan, velum_view_block *out) {
+    const uint32_t study[4] = {plan->flags, plan->integrator, plan->scattering, plan->sun_depth};
+    memcpy(out->study, study, sizeof study);
+    out->study_limits[0] = plan->long_step == 0.0f ? 1.0f : plan->long_step == 1.0f ? 0.0f : 0.18f * plan->long_step;
+    out->study_limits[1] = plan->thin_density;
+    out->study_limits[2] = plan->exit_transmittance > 0.0f ? plan->exit_transmittance : 0.0015f;
 }
 
 static void fill_view(const view *v, const velum_view_frame *f, const velum_vulkan_images *images, const camera *now,
@@ -210,16 +234,18 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->depth[1] = f->depth_near_m;
     out->depth[2] = f->depth_far_m;
     out->depth[3] = images->format == VK_FORMAT_R32G32B32A32_SFLOAT ? 3e38f : 65000.0f;
-    uint32_t side = side_of(plan->ray_rate);
+    const block_size side = block_of(plan->ray_rate);
+    const uint32_t turns = side.w * side.h;
     uint32_t counter = anew ? 0 : v->counter;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
-    const uint32_t march_size[4] = {(f->width + side - 1) / side, (f->height + side - 1) / side, side, counter};
+    const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
+                                    counter};
     uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) |
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
                      (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u);
-    uint32_t cell = side == 4 ? order_16[counter % 16] : side == 2 ? order_4[counter % 4] : 0;
+    uint32_t cell = turns == 16 ? order_16[counter % 16] : turns == 4 ? order_4[counter % 4] : counter % turns;
     const uint32_t frame[4] = {cell, flags, f->array_layer, (uint32_t)e->w->seed};
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
@@ -228,9 +254,10 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;
     /* In the middle of the step at first, then through all of it. */
-    out->march[3] = fmodf(0.5f + radical_inverse(counter / (side * side)), 1.0f);
-    const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, 0};
+    out->march[3] = fmodf(0.5f + radical_inverse(counter / turns), 1.0f);
+    const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, side.h};
     memcpy(out->steps, steps, sizeof steps);
+    fill_study(plan, out);
 }
 
 static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
@@ -291,10 +318,10 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
 }
 
 /* March images for more rays than they have room for; the old ones are buried. */
-static bool grow_march(view *v, uint32_t side) {
+static bool grow_march(view *v, block_size side) {
     engine *e = v->eye->e;
-    uint32_t w = (v->width + side - 1) / side;
-    uint32_t h = (v->height + side - 1) / side;
+    uint32_t w = (v->width + side.w - 1) / side.w;
+    uint32_t h = (v->height + side.h - 1) / side.h;
     if (w <= v->march_light.extent.width && h <= v->march_light.extent.height) {
         return true;
     }
@@ -377,8 +404,10 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     bool ground = (block->frame[1] & VELUM_VIEW_BLOCK_GROUND) != 0;
     pass resolve = layered ? (ground ? PASS_RESOLVE_LAYERED_GROUND : PASS_RESOLVE_LAYERED)
                            : (ground ? PASS_RESOLVE_GROUND : PASS_RESOLVE);
-    record_dispatch(e, commands, blocks_mix(e) ? PASS_MARCH_MIXED : PASS_MARCH, block->march_size[0],
-                    block->march_size[1]);
+    bool study = plan_is_study(&v->eye->plan);
+    pass march =
+        blocks_mix(e) ? (study ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_MIXED) : (study ? PASS_MARCH_STUDY : PASS_MARCH);
+    record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
@@ -411,7 +440,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         return check.result;
     }
     frame_slot *slot = e->now;
-    uint32_t side = side_of(y->plan.ray_rate);
+    uint32_t ray_rate = y->plan.ray_rate;
     if (slot->record_count == FRAME_RECORDS) {
         check_fail(&check, VELUM_ERROR_OUT_OF_MEMORY, "more than %u views in a frame", FRAME_RECORDS);
         return check.result;
@@ -422,11 +451,11 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         fill_view(v, &f, &im, &here, true, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    if (!grow_march(v, side)) {
+    if (!grow_march(v, block_of(ray_rate))) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);
-    bool anew = starts_anew(e, v, &f, &now, side);
+    bool anew = starts_anew(e, v, &f, &now, ray_rate);
     velum_view_block block;
     fill_view(v, &f, &im, &now, anew, &block);
     uint32_t counter = slot->record_count;
@@ -451,7 +480,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     v->counter = anew ? 1 : v->counter + 1;
     v->before = now;
     v->has_camera = true;
-    v->ray_side = side;
+    v->ray_rate = ray_rate;
     v->frame = e->frames;
     v->last_serial = e->newest_serial;
     return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;

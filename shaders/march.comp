@@ -6,6 +6,7 @@
 #include "view.glsl"
 #include "weather.glsl"
 #include "shared/phase.h"
+#include "study.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -77,10 +78,10 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
         float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
-        for (int once = i < 2 ? 0 : 1; once < 1; ++once) {
+        for (int once = i < STUDIED(study_sun_lumps(), 2) ? 0 : 1; once < 1; ++once) {
             lump = lump_noise(hit.slot, f, p);
         }
-        float body = velum_body(hit.profile, e, z, h - f.base_m, lump, 0.5);
+        float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));
         depth += e > 0.0 && z > 0.0 && z < 1.0 ? body * dt : 0.0;
         done += dt;
         dt *= ratio;
@@ -95,7 +96,8 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     float thickness = max(f.top_m - f.base_m, 1.0);
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun);
-    float depth = sun_depth(hit, mu_sun, steps, start);
+    float depth = STUDIED(study_sun_depth(hit.r, sun_depth(hit, mu_sun, steps, start)),
+                          sun_depth(hit, mu_sun, steps, start));
 
     /* How high this column's cloud stands, and how much of it lies above and below. */
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
@@ -124,6 +126,23 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
     vec3 slab = sun * (velum_phase_hg(phases.cos_sun, g) * exp(-slab_depth) +
                        slab_share * 2.2 * VELUM_INV_4PI * slab_diffuse) * eye.slots[hit.slot].optics.x;
+#ifdef VELUM_STUDY
+    for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
+        bool ice = hit.slot == VELUM_SLOT_HIGH;
+        study_light theirs;
+        theirs.sun = sun;
+        theirs.above = uniform_layer ? vec3(0.0) : ambient_at(hit.height_m, false);
+        theirs.below = uniform_layer ? vec3(0.0) : ambient_at(hit.height_m, true);
+        theirs.cos_sun = phases.cos_sun;
+        theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
+        theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;
+        theirs.depth = uniform_layer ? slab_depth : depth;
+        theirs.depth_above = min(column * above, flank);
+        theirs.depth_below = min(column * z, flank);
+        source = study_octave_source(theirs);
+        slab = source * eye.slots[hit.slot].optics.x;
+    }
+#endif
     return uniform_layer ? slab : source;
 }
 
@@ -136,9 +155,8 @@ void main() {
     if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
         return;
     }
-    int side = int(view.march_size.z);
-    ivec2 inside = ivec2(int(view.frame.x) % side, int(view.frame.x) / side);
-    ivec2 pixel = min(block * side + inside, ivec2(view.size.xy) - 1);
+    ivec2 side = ray_block_size();
+    ivec2 pixel = min(block * side + ray_turn(side, block.y), ivec2(view.size.xy) - 1);
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 
     float end = view.march.z;
@@ -194,11 +212,11 @@ void main() {
     while (alive) {
         cloud_hit hit;
         hit.extinction_1_m = 0.0;
-        bool is_short = position < short_until;
+        bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
         float long_dt = max(dt_min, position * growth) * (1.0 + 4.0 * spent * spent * spent);
-        float dt = min(is_short ? long_dt * short_share : long_dt, end - position);
+        float dt = min(is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt), end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
         velum_place place = place_of(r);
@@ -238,18 +256,25 @@ void main() {
         velum_profile profile = velum_profile_of(slot, f);
         float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
         /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
-        float lump = 0.0;
-        float fine = 0.5;
+        float lump = STUDIED(study_base(is_short) ? 1.0 : 0.0, 0.0);
+        float fine = STUDIED(study_base(is_short) ? 1.0 : 0.5, 0.5);
         bool covered = within && e > 0.0;
-        for (int once = covered ? 0 : 1; once < 1; ++once) {
+        for (int once = STUDIED(covered && !study_base(is_short), covered) ? 0 : 1; once < 1; ++once) {
             lump = lump_noise(slot, f, r);
         }
-        for (int once = covered && velum_shows_fine(at, eye.slots[slot].fine_0.w) ? 0 : 1; once < 1; ++once) {
+        for (int once = STUDIED(covered && !study_base(is_short), covered) &&
+                                velum_shows_fine(at, eye.slots[slot].fine_0.w)
+                            ? 0
+                            : 1;
+             once < 1; ++once) {
             fine = fine_noise(slot, f, r);
         }
         float margin = velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine);
         float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
         float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
+#ifdef VELUM_STUDY
+        extinction = study_thinned(extinction, f.extinction_1_m);
+#endif
         samples += within ? 1u : 0u;
         /* Sharp faces: the share of the step that lies within them. */
         float overlap = high - low > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / (high - low), 0.0, 1.0)
@@ -286,11 +311,11 @@ void main() {
             done = 0u;
         } else if (meets == 0u) {
             short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
-            settled = found ? position + dt : settled;
+            settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
-            float stride = covered ? clamp(clear, dt * share, long_dt) : dt * share;
-            position += found ? dt : max(stride, advance);
+            float stride = covered ? clamp(clear, dt * share, STUDIED(max(dt, long_dt), long_dt)) : dt * share;
+            position += STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
             advance = 1.0e9;
             done = 0u;
         }
@@ -298,8 +323,8 @@ void main() {
         alive = position < end && left > 0;
 
         /* Behind most of the cloud's opacity the light found last will do. */
-        bool wanted = hit.extinction_1_m > 0.0 && (through > dim || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
-        int light_steps = wanted ? int(view.steps.y) : 0;
+        bool wanted = hit.extinction_1_m > 0.0 && (STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim) || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
+        int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
         light_samples += uint(light_steps);
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
             source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset);
@@ -308,11 +333,11 @@ void main() {
         float length_m = max(min(dt, end - (at - dt * offset)), 0.0);
         float step_t = exp(-hit.extinction_1_m * length_m);
         float alpha = through * (1.0 - step_t);
-        light += alpha * source;
+        light += STUDIED(study_share(through, hit.extinction_1_m * length_m), alpha) * source;
         weighted += alpha * min(at, end);
         weight += alpha;
         through *= step_t;
-        if (through < opaque) {
+        if (through < STUDIED(view.study_limits.z, opaque)) {
             through = 0.0;
             alive = false;
         }

@@ -20,6 +20,16 @@ ivec2 dealt_group() {
     return ivec2(gl_WorkGroupID.x, deal(deal(gl_WorkGroupID.y, rows), rows));
 }
 
+/* Pixels of a ray's block, and which of them has the ray in this frame. Where two lie side by side the rows take turns:
+ * a checkerboard. */
+ivec2 ray_block_size() {
+    return ivec2(int(view.march_size.z), int(view.steps.w));
+}
+ivec2 ray_turn(ivec2 size, int row) {
+    int cell = int(view.frame.x);
+    return ivec2((cell % size.x) ^ (size.x > size.y ? row & 1 : 0), cell / size.x);
+}
+
 struct view_ray {
     vec3 origin; /* offset from the eye */
     vec3 direction;

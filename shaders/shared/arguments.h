@@ -64,11 +64,25 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(scale);          /* luminance scale; jitter x, y in pixels; samples that history counts for while moving, 0: still */
     VELUM_VEC4(depth);          /* convention, near m, far m; greatest number that the images can hold */
     VELUM_UVEC4(size);          /* width, height, x, y of the sub-rectangle */
-    VELUM_UVEC4(march_size);    /* width, height of the march images; rays' block side (4, 2 or 1); frames since reset */
+    VELUM_UVEC4(march_size);    /* width, height of the march images; rays' block width (4, 2 or 1); frames since reset */
     VELUM_UVEC4(frame);         /* pixel of the block this frame (index 0..15); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);          /* first step m, growth, distance m, sample offset 0..1 of this frame */
-    VELUM_UVEC4(steps);         /* along the ray at most, towards the sun, octaves, 0 */
+    VELUM_UVEC4(steps);         /* along the ray at most, towards the sun, octaves; rays' block height */
+    VELUM_UVEC4(study);         /* velum_plan: flags, integrator, scattering, sun_depth */
+    VELUM_VEC4(study_limits);   /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
 };
+
+/* As VELUM_PLAN_*, VELUM_INTEGRATOR_*, VELUM_SCATTERING_* and VELUM_SUN_DEPTH_* of engine.h. */
+#define VELUM_STUDY_STEP_THROUGH 1u
+#define VELUM_STUDY_BASE_SEARCH 2u
+#define VELUM_STUDY_LIGHT_ALL 4u
+#define VELUM_STUDY_BEFORE 1u
+#define VELUM_STUDY_AFTER 2u
+#define VELUM_STUDY_TRAPEZOID 3u
+#define VELUM_STUDY_OCTAVES 1u
+#define VELUM_STUDY_SUN_COARSE 1u
+#define VELUM_STUDY_SUN_FINE 2u
+#define VELUM_STUDY_SUN_MAP 3u
 
 /* A level of a shadow map. */
 VELUM_STRUCT(velum_shadow_level_block) {

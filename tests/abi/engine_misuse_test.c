@@ -86,7 +86,7 @@ static void objects_are_made_of_sound_descriptions(void **state) {
     ENGINE_FIXTURE(f);
     misuse eye = engine_fixture_misuse(&f, "create_eye", call_create_eye);
     misuse_expect_ok(&eye, "the eye as it is");
-    misuse_struct(&eye, &f.eye_desc, sizeof f.eye_desc, true, 0);
+    misuse_struct(&eye, &f.eye_desc, sizeof f.eye_desc, true, VELUM_EYE_STUDY);
     static const field_rule eye_rules[] = {RULE_RESERVED(velum_eye_desc, reserved, FIELD_U32)};
     misuse_rules(&eye, &f.eye_desc, eye_rules, COUNT(eye_rules), true);
     static const int32_t qualities[] = {INT32_MIN, -1, 6, INT32_MAX};
@@ -327,15 +327,22 @@ static void answers_are_checked(void **state) {
     f.plan = plan;
     misuse m = engine_fixture_misuse(&f, "set_plan", call_set_plan);
     misuse_expect_ok(&m, "the plan as it was");
-    misuse_struct(&m, &f.plan, sizeof f.plan, true, 0);
+    misuse_struct(&m, &f.plan, sizeof f.plan, true,
+                  VELUM_PLAN_STEP_THROUGH | VELUM_PLAN_BASE_SEARCH | VELUM_PLAN_LIGHT_ALL);
     static const field_rule rules[] = {
         RULE(velum_plan, step_m, FIELD_F32, -INFINITY, INFINITY),
         RULE(velum_plan, step_growth, FIELD_F32, 0, INFINITY),
         RULE(velum_plan, distance_m, FIELD_F32, 0, INFINITY),
         RULE(velum_plan, blending, FIELD_U32, 0, 1),
+        RULE(velum_plan, integrator, FIELD_U32, 0, VELUM_INTEGRATOR_TRAPEZOID),
+        RULE(velum_plan, scattering, FIELD_U32, 0, VELUM_SCATTERING_OCTAVES),
+        RULE(velum_plan, sun_depth, FIELD_U32, 0, VELUM_SUN_DEPTH_MAP),
+        RULE(velum_plan, long_step, FIELD_F32, 0, 64),
+        RULE(velum_plan, thin_density, FIELD_F32, 0, 1),
+        RULE(velum_plan, exit_transmittance, FIELD_F32, 0, 0.9),
     };
     misuse_rules(&m, &f.plan, rules, COUNT(rules), false);
-    static const uint32_t rates[] = {0, 2, 3, 5, 15, 17, 64, UINT32_MAX};
+    static const uint32_t rates[] = {0, 3, 5, 8, 15, 17, 64, UINT32_MAX};
     for (size_t i = 0; i < COUNT(rates); i++) {
         f.plan.ray_rate = rates[i];
         misuse_expect(&m, VELUM_ERROR_ARGUMENT, "ray_rate");

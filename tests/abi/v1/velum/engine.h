@@ -33,12 +33,16 @@ enum { VELUM_ATMOSPHERE_EARTH = 0, VELUM_ATMOSPHERE_NONE = 1 };
 
 typedef struct velum_eye_desc {
     uint32_t struct_size;
-    uint32_t flags;     /* 0 */
+    uint32_t flags;     /* VELUM_EYE_STUDY */
     int32_t quality;    /* VELUM_QUALITY_* */
     float budget_ms;    /* time for all views of the eye; 0: none. Reserved: must be 0 */
     float budget_error; /* relative error instead; 0: none. Reserved: must be 0 */
     uint32_t reserved;
 } velum_eye_desc;
+/* Plans may ask for the methods of others (velum_plan, from `integrator` on), so that they can be compared. Compiles
+ * pipelines of their own when such an eye is first made; a plan that asks for none of it still gets the ordinary ones.
+ * Not for VELUM_QUALITY_REFERENCE. */
+#define VELUM_EYE_STUDY 0x1u
 
 typedef struct velum_view_desc {
     uint32_t struct_size;
@@ -159,20 +163,61 @@ typedef struct velum_view_stats {
                                  and 1 % of the picture's mean, when all pixels had the same number last; 0: unknown */
 } velum_view_stats;
 
+/* Bits of velum_plan.flags, for eyes with VELUM_EYE_STUDY alone.
+ * STEP_THROUGH: no stretch of air is passed at once, however surely it is empty.
+ * BASE_SEARCH: steps that look for cloud sample its base shape, without lumps and detail: it holds all of the cloud,
+ * and more. No effect where long_step is 1. LIGHT_ALL: every sample in cloud finds its own light; else, behind a
+ * transmittance of 0.3, that of the last will do. */
+#define VELUM_PLAN_STEP_THROUGH 0x1u
+#define VELUM_PLAN_BASE_SEARCH 0x2u
+#define VELUM_PLAN_LIGHT_ALL 0x4u
+
+/* How a step of length d through extinction s adds light of source S per unit of scattering, with T before it. */
+enum {
+    VELUM_INTEGRATOR_ENERGY = 0,   /* T S (1 - exp(-s d)): no light is made or lost (Hillaire 2016) */
+    VELUM_INTEGRATOR_BEFORE = 1,   /* T S s d: too bright */
+    VELUM_INTEGRATOR_AFTER = 2,    /* T exp(-s d) S s d: too dark */
+    VELUM_INTEGRATOR_TRAPEZOID = 3 /* the mean of both */
+};
+
+/* Light of more than one order. */
+enum {
+    VELUM_SCATTERING_CLOSURE = 0, /* Velum's own: first order, widened peak, diffuse light of two streams */
+    /* Octaves: each has half the scattering, extinction and asymmetry of the one before (Wrenninge et al. 2013;
+     * a = b = c = 0.5). velum_plan.octaves of them; 1 is single scattering. */
+    VELUM_SCATTERING_OCTAVES = 1
+};
+
+/* Depth of cloud towards the sun. No effect on uniform layers, whose depth is known. */
+enum {
+    VELUM_SUN_DEPTH_STEPS = 0,  /* light_steps samples, the first two of them with lumps */
+    VELUM_SUN_DEPTH_COARSE = 1, /* without lumps */
+    VELUM_SUN_DEPTH_FINE = 2,   /* all with lumps and fine detail */
+    VELUM_SUN_DEPTH_MAP = 3     /* the engine's newest shadow map, no samples: too dark in cloud, as the map counts all
+                                   cloud down to the ground. No map, or beside it: no cloud. Not deeper than 16 */
+};
+
 /* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. */
 typedef struct velum_plan {
     uint32_t struct_size;
-    uint32_t flags;         /* 0 */
+    uint32_t flags;         /* VELUM_PLAN_* */
     uint32_t active_layers; /* bit per slot that can be seen */
-    uint32_t march_steps;   /* along a ray, at most */
-    uint32_t light_steps;   /* towards the sun */
-    uint32_t ray_rate;      /* one ray for so many pixels: 1, 4 or 16 */
-    uint32_t octaves;       /* of multiple scattering; no effect yet. Of the reference: greatest order; 0: all */
+    uint32_t march_steps;   /* along a ray, at most: 1..4096. They grow up to 5 times as long as they run out */
+    uint32_t light_steps;   /* towards the sun: 1..64 */
+    uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4 or 16 */
+    uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
-    float step_m;           /* first step in cloud */
-    float step_growth;      /* relative growth with distance */
-    float distance_m;       /* rays end here at the latest */
-    float reserved;
+    float step_m;           /* first step that looks for cloud, 1..10000; those in cloud are 0.18 of it */
+    float step_growth;      /* relative growth with distance, 0..0.5 */
+    float distance_m;       /* rays end here at the latest, 1..1e7 */
+
+    /* From here on for eyes with VELUM_EYE_STUDY; else 0, as in every plan that Velum makes. */
+    uint32_t integrator;      /* VELUM_INTEGRATOR_* */
+    uint32_t scattering;      /* VELUM_SCATTERING_* */
+    uint32_t sun_depth;       /* VELUM_SUN_DEPTH_* */
+    float long_step;          /* steps that look for cloud, over those in it: 1..64; 1: all alike; 0: 1 / 0.18 */
+    float thin_density;       /* less than this share of the layer's mean extinction counts as none: 0..1; 0: 0 */
+    float exit_transmittance; /* a ray ends where less comes through: 1e-6..0.9; 0: 0.0015 */
 } velum_plan;
 
 typedef struct velum_engine_api {
