@@ -73,7 +73,7 @@ static void run_pass(program *p, const scene_row *scene, bool presets, bool blow
         return;
     }
     stage_camera_init(&p->s, p->reference.width, p->reference.height, &camera);
-    if (!stage_prepare(&p->s, &camera, p->reference.width, 0.0) ||
+    if (!stage_prepare(&p->s, &camera, p->reference.width, 0.0) || !stage_cast_shadow(&p->s, &camera) ||
         !picture_init(&found, p->reference.width, p->reference.height)) {
         p->failed++;
         return;

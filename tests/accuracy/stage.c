@@ -102,7 +102,15 @@ bool stage_init(stage *s, int32_t device) {
     return true;
 }
 
+static void drop_shadow(stage *s) {
+    if (s->shadow) {
+        s->host.engine->destroy_shadow(s->shadow);
+    }
+    s->shadow = NULL;
+}
+
 static void leave_world(stage *s) {
+    drop_shadow(s);
     if (s->engine) {
         velum_result result = s->host.engine->destroy(s->engine);
         if (result < 0) {
@@ -153,6 +161,7 @@ static bool enter_world(stage *s, uint64_t seed) {
 }
 
 static bool take_scenario(stage *s, velum_scenario *scenario, float wind_east_m_s) {
+    drop_shadow(s);
     velum_scenario_destroy(s->scenario);
     s->scenario = scenario;
     if (!enter_world(s, scenario->seed)) {
@@ -251,7 +260,9 @@ bool stage_prepare(stage *s, const stage_camera *c, uint32_t width, double time_
 
 velum_result stage_view_init(stage *s, stage_view *v, int32_t quality, uint32_t width, uint32_t height) {
     *v = (stage_view){.width = width, .height = height};
-    const velum_eye_desc eye = {.struct_size = sizeof eye, .quality = quality};
+    const velum_eye_desc eye = {.struct_size = sizeof eye,
+                                .flags = quality == VELUM_QUALITY_REFERENCE ? 0 : VELUM_EYE_STUDY,
+                                .quality = quality};
     velum_result result = s->host.engine->create_eye(s->engine, &eye, &v->eye);
     if (result >= 0) {
         const velum_view_desc view = {.struct_size = sizeof view, .width = width, .height = height, .name = "accuracy"};
@@ -279,6 +290,26 @@ static velum_frame_info frame_info(const stage *s, double time_s) {
     memcpy(frame.sun_illuminance_lx, s->sun_lx, sizeof frame.sun_illuminance_lx);
     memcpy(frame.ground_albedo, s->ground_albedo, sizeof frame.ground_albedo);
     return frame;
+}
+
+/* One for each scene: a map follows a world that changes only by and by. */
+bool stage_cast_shadow(stage *s, const stage_camera *c) {
+    const velum_shadow_desc desc = {.struct_size = sizeof desc, .levels = 4, .texels = 256, .extent_m = 8192.0f};
+    const uint64_t count = 4u * 256u * 256u;
+    const velum_frame_info frame = frame_info(s, 0.0);
+    velum_shadow_frame where = {.struct_size = sizeof where};
+    memcpy(where.centre_ecef_m, c->position_m, sizeof where.centre_ecef_m);
+    drop_shadow(s);
+    float *map = calloc(count, sizeof *map);
+    velum_result result = map ? s->host.engine->create_shadow(s->engine, &desc, &s->shadow) : VELUM_ERROR_OUT_OF_MEMORY;
+    if (result >= 0) {
+        result = s->host.standalone->render_shadow(s->engine, &frame, s->shadow, &where, map, count);
+    }
+    free(map);
+    if (result < 0) {
+        stage_fail(s, "shadow map", result);
+    }
+    return result >= 0;
 }
 
 velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double time_s, uint32_t flags, picture *out,

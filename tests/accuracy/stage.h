@@ -17,6 +17,7 @@ typedef struct stage {
     const char *shared;    /* folder of the real weather files */
     velum_world *world;
     velum_engine *engine;
+    velum_shadow *shadow;
     uint64_t seed; /* of the world */
     velum_scenario *scenario;
     uint64_t scenario_hash; /* of its text and its sources' */
@@ -63,6 +64,10 @@ void stage_camera_place(stage_camera *c, double lat_deg, double lon_deg, double 
                         double pitch_deg, double roll_deg);
 bool stage_prepare(stage *s, const stage_camera *c, uint32_t width, double time_s);
 
+/* A shadow map about the camera, for the views of the engine: ground lies in shadow of clouds. */
+bool stage_cast_shadow(stage *s, const stage_camera *c);
+
+/* Of an eye with VELUM_EYE_STUDY, but for the reference. */
 velum_result stage_view_init(stage *s, stage_view *v, int32_t quality, uint32_t width, uint32_t height);
 void stage_view_finish(stage_view *v, stage *s);
 

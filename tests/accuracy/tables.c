@@ -21,15 +21,17 @@ typedef struct published_table {
 
 static const published_table tables[] = {
     {"P. Ford 2024, section 5.4: a ladder of optimisations, each on top of those above",
-     "Ours change one thing each, on top of preset high with a ray for each pixel; a step of 60 m is the base.",
+     "Ours the same, from preset high with a ray for each pixel and at most 4096 steps in it; an adapted step is "
+     "longer "
+     "in empty air, and passes at once what is surely empty.",
      8,
-     {{"none, steps of 9", 1558.0, "steps", "step length, constant", 60.0},
-      {"early exit at transmittance 0.075", 373.0, "exit", "early exit", 0.075},
-      {"densities below 0.01 skipped", 34.6, "thin", "thin samples skipped", 0.01},
-      {"steps of 100 over 8 frames", 6.5, "steps", "step length, constant", 700.0},
-      {"step adapted", 6.0, "steps", "step length, growing", 700.0},
-      {"half resolution", 2.7, "rays", "still", 4.0},
-      {"quarter resolution", 1.8, "rays", "still", 16.0},
+     {{"none, steps of 9", 1558.0, "ladder", "Ford's ladder", 0.0},
+      {"early exit at transmittance 0.075", 373.0, "ladder", "Ford's ladder", 1.0},
+      {"densities below 0.01 skipped", 34.6, "ladder", "Ford's ladder", 2.0},
+      {"steps of 100 over 8 frames", 6.5, "ladder", "Ford's ladder", 3.0},
+      {"step adapted", 6.0, "ladder", "Ford's ladder", 4.0},
+      {"half resolution", 2.7, "ladder", "Ford's ladder", 5.0},
+      {"quarter resolution", 1.8, "ladder", "Ford's ladder", 6.0},
       {NULL, 0.0, NULL, NULL, 0.0}}},
     {"F. Haggstrom 2018, table 1: samples towards the sun",
      "Ours with 32 for the base instead of 100.",
@@ -56,13 +58,13 @@ static const published_table tables[] = {
       {"0.3", 3.3, NULL, NULL, 0.0},
       {"0.5", 2.3, NULL, NULL, 0.0}}},
     {"F. Haggstrom 2018, table 4: least divisor of steps where density is low",
-     "The nearest of ours is long steps in empty air.",
+     "Ours: steps longer by one over that where there is no cloud; for none, steps all alike.",
      5,
      {{"none", 5.0, "empty", "long steps in empty air", 0.0},
-      {"0.1", 0.9, NULL, NULL, 0.0},
-      {"0.2", 1.5, NULL, NULL, 0.0},
-      {"0.3", 2.0, NULL, NULL, 0.0},
-      {"0.4", 2.5, NULL, NULL, 0.0}}},
+      {"0.1", 0.9, "empty", "long steps in empty air", 10.0},
+      {"0.2", 1.5, "empty", "long steps in empty air", 5.0},
+      {"0.3", 2.0, "empty", "long steps in empty air", 3.3333},
+      {"0.4", 2.5, "empty", "long steps in empty air", 2.5}}},
 };
 
 /* Over the scenes: mean time, root mean square error. */
