@@ -232,13 +232,15 @@ void main() {
 
         /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
         uint meets = 0u;
+        bool clear_tile = false;
         for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
             vec4 bounds = eye.slots[candidate].bounds;
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
             bool here = (tile.mask & bit) != 0u;
-            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : (here ? 1.0e9 : tile.clear_m);
+            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
+            clear_tile = clear_tile || (!outside && !here);
             advance = min(advance, away);
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
@@ -286,10 +288,15 @@ void main() {
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
+        vec2 reach_m = vec2(1.0e9);
+        for (int once = clear_tile || f.coverage <= 0.0 ? 0 : 1; once < 1; ++once) {
+            reach_m = tile_reach_m(tile, normal, ray.direction);
+        }
+        advance = clear_tile ? min(advance, reach_m.x) : advance;
         float gap = min(max(-e, 0.0) * f.coverage * 0.05 * period_m, texel_m);
         float clear = covered ? min(max(-margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
-        float own = f.coverage <= 0.0 ? 0.0 : (within ? gap : climb);
+        float own = f.coverage <= 0.0 ? reach_m.y : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         hit.slot = slot;

@@ -68,7 +68,8 @@ void main() {
                     depth += f.extinction_1_m * dt * velum_body(profile, e, z, h - f.base_m, lump, 0.5);
                     clear = -velum_margin(profile, e, z, lump, 0.5) * 0.02 * period_m;
                 }
-                stride = max(dt, 0.5 * dt + min(clear, tile.side_m / float(VELUM_TILE_TEXELS)));
+                float known = min(tile.side_m / float(VELUM_TILE_TEXELS), tile_reach_m(tile, normal, to_sun).x);
+                stride = max(dt, 0.5 * dt + min(clear, known));
             }
             /* Sharp faces: the share of the step that lies within them. */
             float low = h - 0.5 * rise;

@@ -21,14 +21,16 @@ struct tile_place {
     uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
     uint mask;  /* slots with cloud */
     float scale; /* of coordinates at the level asked for, to the page's */
-    float side_m; /* of the tile whose page it is, nominal */
-    float clear_m; /* from the place to the tile's nearest edge, at least */
+    float side_m; /* of the tile whose page it is, nominal: an ancestor where the weather is smooth */
+    float own_m;  /* of the tile asked for */
+    int face;
+    vec2 own;  /* place in the tile asked for, 0..1 */
     vec2 uv;     /* in a page */
     bool missing;
 };
 
 tile_place tile_nowhere() {
-    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, VELUM_TILE_FACE_M, 0.0, vec2(0.0), false);
+    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, VELUM_TILE_FACE_M, VELUM_TILE_FACE_M, 0, vec2(0.0), vec2(0.0), false);
 }
 
 /* The entry that stands for a place at a level, or for the finest coarser one that there is. */
@@ -74,12 +76,38 @@ tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
     for (int once = key == last.key ? 1 : 0; once < 1; ++once) {
         place = tile_look_up(face, int(level), key);
     }
+    place.face = face.face;
+    place.own = fract(vec2(x, y));
+    place.own_m = VELUM_TILE_FACE_M / float(1u << level);
     vec2 within = fract(vec2(x, y) * place.scale);
-    /* Tangent-warped tiles are narrower than their nominal side by up to 1 - 1 / sqrt(2). */
-    vec2 edge = min(within, 1.0 - within);
-    place.clear_m = min(edge.x, edge.y) * place.side_m * 0.7;
     place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
     return place;
+}
+
+/* In the axes of a face: outward, u, v. See velum_face_of. */
+vec3 face_turned(int face, vec3 v) {
+    vec3 side = face == 0 ? v : (face == 1 ? vec3(-v.x, -v.y, v.z) : (face == 2 ? v.yxz * vec3(1.0, -1.0, 1.0)
+                                                                                 : v.yxz * vec3(-1.0, 1.0, 1.0)));
+    return face < 4 ? side : (face == 4 ? vec3(v.z, v.y, -v.x) : vec3(-v.z, v.y, v.x));
+}
+
+float leave(vec2 within, vec2 rate) {
+    vec2 left = mix(within, 1.0 - within, greaterThan(rate, vec2(0.0))) / max(abs(rate), vec2(1e-12));
+    return min(left.x, left.y) * 0.98;
+}
+
+/* How far along a ray the tile that was asked for reaches (x): beyond it, another page may hold. And the square between
+ * the page's four texels, in that tile (y). */
+vec2 tile_reach_m(tile_place place, vec3 normal, vec3 direction) {
+    vec3 n = face_turned(place.face, normal);
+    vec3 d = face_turned(place.face, direction);
+    vec2 t = n.yz / n.x;
+    vec2 turn = (d.yz - t * d.x) / (n.x * (1.0 + t * t) * VELUM_WGS84_B_M);
+    vec2 rate_m = turn * (0.5 * 1.2732395 * VELUM_TILE_FACE_M);
+    float tile_m = leave(place.own, rate_m / place.own_m);
+    vec2 texel = place.uv * float(VELUM_TILE_SIDE) - 0.5;
+    float texels_m = leave(fract(texel), rate_m * (float(VELUM_TILE_TEXELS) / place.side_m));
+    return vec2(tile_m, min(tile_m, texels_m));
 }
 
 tile_place tile_find(vec3 normal, float distance_m) {
