@@ -90,6 +90,11 @@ void files_remove_empty(const struct files_folder *folder) {
 }
 
 bool files_temporary(const char *path, char temporary[FILES_PATH_MAX]) {
+    struct stat there;
+    if (stat(path, &there) == 0 && !S_ISREG(there.st_mode)) {
+        report_error("%s: found something that is no plain file, expected a file or nothing", path);
+        return false;
+    }
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     int length = snprintf(temporary, FILES_PATH_MAX, "%.*s.%s.%ld.tmp", (int)(name - path), path, name, (long)getpid());

@@ -115,33 +115,55 @@ void scene_point(double lat_deg, double lon_deg, double height_m, double positio
     velum_scenario_pose_ecef(&pose, position_m, right, up, forward);
 }
 
+static bool add_cover(struct scene *scene, double lat_deg, double lon_deg, double height_m, double time_s,
+                      double weight, struct cloud_cover *sum) {
+    static const double top_m = 25000, footprint_m = 20000;
+    velum_point_query point = {.struct_size = sizeof point, .time_s = time_s, .footprint_m = footprint_m};
+    velum_point_answer weather = {.struct_size = sizeof weather};
+    scene_point(lat_deg, lon_deg, height_m, point.position_ecef_m);
+    velum_result result = scene->plugin.world->query_point(scene->world, &point, &weather);
+    if (result >= 0 && height_m < top_m) {
+        velum_line_query line = {.struct_size = sizeof line, .time_s = time_s, .footprint_m = footprint_m};
+        velum_line_answer depth = {.struct_size = sizeof depth};
+        scene_point(lat_deg, lon_deg, height_m, line.from_ecef_m);
+        scene_point(lat_deg, lon_deg, top_m, line.to_ecef_m);
+        result = scene->plugin.world->query_line(scene->world, &line, &depth);
+        sum->optical_depth += weight * depth.optical_depth;
+    }
+    if (result < 0) {
+        plugin_report(&scene->plugin, "cloud cover", result);
+        return false;
+    }
+    sum->coverage += weight * (double)weather.coverage;
+    return true;
+}
+
+/* Over places that are fixed to the world, with weights that fade to 0 some 15 km away: the light of everything must
+ * not change with each cloud that passes the eye. */
 bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, double height_m, double time_s,
                        struct cloud_cover *out) {
-    /* Over 10 km or so: one cloud that passes must not change the light of everything. */
-    static const double top_m = 25000, footprint_m = 20000, spread_deg = 0.03;
-    static const double offsets[5][2] = {{0, 0}, {1, 0.4}, {-0.4, 1}, {-1, -0.4}, {0.4, -1}};
-    double cosine = fmax(cos(place->lat_deg * 3.14159265358979323846 / 180), 0.01);
+    static const double step_deg = 0.033, radius_steps = 4;
+    double weights = 0;
+    double row_0 = floor(place->lat_deg / step_deg);
     *out = (struct cloud_cover){0, 0};
-    for (int i = 0; i < 5; i++) {
-        double lat = fmin(fmax(place->lat_deg + offsets[i][0] * spread_deg, -90), 90);
-        double lon = place->lon_deg + offsets[i][1] * spread_deg / cosine;
-        velum_point_query point = {.struct_size = sizeof point, .time_s = time_s, .footprint_m = footprint_m};
-        velum_point_answer weather = {.struct_size = sizeof weather};
-        scene_point(lat, lon, height_m, point.position_ecef_m);
-        velum_result result = scene->plugin.world->query_point(scene->world, &point, &weather);
-        if (result >= 0 && height_m < top_m) {
-            velum_line_query line = {.struct_size = sizeof line, .time_s = time_s, .footprint_m = footprint_m};
-            velum_line_answer depth = {.struct_size = sizeof depth};
-            scene_point(lat, lon, height_m, line.from_ecef_m);
-            scene_point(lat, lon, top_m, line.to_ecef_m);
-            result = scene->plugin.world->query_line(scene->world, &line, &depth);
-            out->optical_depth += 0.2 * depth.optical_depth;
+    for (double row = row_0 - 3; row <= row_0 + 4; row++) {
+        double lat = fmin(fmax(row * step_deg, -90), 90);
+        double lon_step = step_deg / fmax(cos(lat * 3.14159265358979323846 / 180), 0.01);
+        double column_0 = floor(place->lon_deg / lon_step);
+        for (double column = column_0 - 3; column <= column_0 + 4; column++) {
+            double north = place->lat_deg / step_deg - row;
+            double east = place->lon_deg / lon_step - column;
+            double fade = 1 - (north * north + east * east) / (radius_steps * radius_steps);
+            if (fade > 0) {
+                double weight = fade * fade;
+                weights += weight;
+                if (!add_cover(scene, lat, column * lon_step, height_m, time_s, weight, out)) {
+                    return false;
+                }
+            }
         }
-        if (result < 0) {
-            plugin_report(&scene->plugin, "cloud cover", result);
-            return false;
-        }
-        out->coverage += 0.2 * (double)weather.coverage;
     }
+    out->coverage /= weights;
+    out->optical_depth /= weights;
     return true;
 }
