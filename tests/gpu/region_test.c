@@ -1,0 +1,104 @@
+/* A small region of cloud is seen from afar, whole, as the CPU's query says that it is. */
+#include <math.h>
+
+#include "fixture.h"
+
+enum { WIDTH = 32, HEIGHT = 8, SETTLE = 32 };
+
+static void commit_region(fixture *f, double half_m, double transition_m) {
+    velum_layer cumulus = fixture_cumulus();
+    cumulus.coverage = 0.9f;
+    cumulus.base_m = 1200.0f;
+    cumulus.top_m = 2600.0f;
+    const velum_cell cell = {.struct_size = sizeof cell,
+                             .flags = VELUM_CELL_HAS_LAYERS,
+                             .id = 1,
+                             .kind = VELUM_CELL_RECTANGLE,
+                             .lat_deg = 50.0,
+                             .lon_deg = 8.0,
+                             .half_east_m = half_m,
+                             .half_north_m = half_m,
+                             .transition_m = transition_m,
+                             .layers = &cumulus,
+                             .layer_count = 1};
+    const velum_state_desc state = {.struct_size = sizeof state, .cells = &cell, .cell_count = 1};
+    uint64_t id = 0;
+    assert_int_equal(f->world_api->commit(f->world, &state, &id), VELUM_OK);
+}
+
+/* Northward on the region from so far south of it: share of the pixels in which picture and query agree on opaque or
+ * clear; *cloud: share that the query calls opaque. */
+static double agreement(fixture *f, velum_view *view, double half_m, double distance_m, double *cloud) {
+    double east[3], north[3], up[3];
+    double lat_deg = 50.0 - distance_m / 111229.0;
+    fixture_axes(lat_deg, 8.0, east, north, up);
+    velum_eye_frame eye = {.struct_size = sizeof eye, .flags = VELUM_EYE_RESET, .eye = f->eye};
+    fixture_position(lat_deg, 8.0, 1900.0, eye.position_ecef_m);
+    const float tan_x = (float)(1.1 * half_m / distance_m);
+    const velum_view_frame camera = fixture_camera(eye.position_ecef_m, north, east, tan_x, tan_x * HEIGHT / WIDTH);
+    const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
+    static float rgb[WIDTH * HEIGHT * 3];
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = view,
+                                 .frame = &camera,
+                                 .transmittance_rgb = rgb,
+                                 .width = WIDTH,
+                                 .height = HEIGHT};
+    for (int i = 0; i < SETTLE; i++) {
+        assert_int_equal(f->standalone_api->render(f->engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+        eye.flags = 0;
+    }
+    int sure = 0;
+    int alike = 0;
+    int opaque = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        double x = (double)tan_x * (2.0 * (i % WIDTH + 0.5) / WIDTH - 1.0);
+        double y = (double)tan_x * HEIGHT / WIDTH * (1.0 - 2.0 * (i / WIDTH + 0.5) / HEIGHT);
+        velum_line_query line = {.struct_size = sizeof line, .footprint_m = 2.0 * (double)tan_x * distance_m / WIDTH};
+        velum_line_answer answer = {.struct_size = sizeof answer};
+        for (int k = 0; k < 3; k++) {
+            line.from_ecef_m[k] = eye.position_ecef_m[k];
+            line.to_ecef_m[k] =
+                eye.position_ecef_m[k] + (distance_m + 2.0 * half_m) * (north[k] + x * east[k] + y * up[k]);
+        }
+        assert_int_equal(f->world_api->query_line(f->world, &line, &answer), VELUM_OK);
+        if (answer.optical_depth > 5.0 || answer.optical_depth == 0.0) {
+            sure++;
+            alike += (answer.optical_depth > 5.0) == (rgb[3 * i] < 0.5f);
+            opaque += answer.optical_depth > 5.0;
+        }
+    }
+    *cloud = (double)opaque / (WIDTH * HEIGHT);
+    return sure > 0 ? (double)alike / sure : 0.0;
+}
+
+static void seen_from_afar(void **state) {
+    (void)state;
+    static const double halves_m[] = {450.0, 2000.0, 2000.0, 8000.0};
+    static const double transitions_m[] = {350.0, 0.0, 2000.0, 4000.0};
+    static const double distances_m[] = {3000.0, 12000.0, 28500.0, 45000.0, 90000.0};
+    fixture f;
+    fixture_init(&f, false);
+    velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
+    for (int r = 0; r < 4; r++) {
+        commit_region(&f, halves_m[r], transitions_m[r]);
+        for (int d = 0; d < 5; d++) {
+            if (distances_m[d] < 3.0 * halves_m[r] || halves_m[r] / distances_m[d] < 0.03) {
+                continue; /* within it, or of few rays */
+            }
+            double cloud = 0.0;
+            double alike = agreement(&f, view, halves_m[r], distances_m[d], &cloud);
+            print_message("region of %g m and %g m of transition from %g m: %.1f %% opaque, %.1f %% alike\n",
+                          2.0 * halves_m[r], transitions_m[r], distances_m[d], 100.0 * cloud, 100.0 * alike);
+            assert_true(cloud > 0.2);
+            assert_true(alike > 0.95);
+        }
+    }
+    assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
+    fixture_finish(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(seen_from_afar)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
