@@ -250,6 +250,12 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
     memcpy(out->frame, frame, sizeof frame);
+    const uint32_t turn[4] = {cell % side.w, cell / side.w, side.w > side.h, 0};
+    memcpy(out->turn, turn, sizeof turn);
+    out->room[0] = (float)v->march_light.extent.width;
+    out->room[1] = (float)v->march_light.extent.height;
+    out->room[2] = (float)v->width;
+    out->room[3] = (float)v->height;
     out->march[0] = plan->step_m;
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;

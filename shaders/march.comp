@@ -156,7 +156,7 @@ void main() {
         return;
     }
     ivec2 side = ray_block_size();
-    ivec2 pixel = min(block * side + ray_turn(side, block.y), ivec2(view.size.xy) - 1);
+    ivec2 pixel = min(block * side + ray_turn(block.y), ivec2(view.size.xy) - 1);
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 
     float end = view.march.z;

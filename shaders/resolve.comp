@@ -58,7 +58,7 @@ bool place_before(vec3 r, out vec2 uv) {
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
-    ivec2 turn = ray_turn(side, block.y);
+    ivec2 turn = ray_turn(block.y);
     bool own = pixel - block * side == turn;
     ivec2 last = ivec2(view.march_size.xy) - 1;
 
@@ -67,7 +67,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     vec2 at = (vec2(pixel) - vec2(turn)) / vec2(side);
     at = own ? vec2(block) : clamp(at, vec2(0.0), vec2(last));
     /* The images may have room for more rays and pixels than this frame has. */
-    fresh.light = textureLod(march_light, (at + 0.5) / vec2(textureSize(march_light, 0)), 0.0);
+    fresh.light = textureLod(march_light, (at + 0.5) / view.room.xy, 0.0);
     fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
     fresh.samples = own ? 1.0 : 0.0;
 
@@ -84,7 +84,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         }
     }
     /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
-    vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv * (size / vec2(textureSize(history_in, 0))), 0.0);
+    vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv * (size / view.room.zw), 0.0);
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
     float count = data.g;

@@ -25,9 +25,8 @@ ivec2 dealt_group() {
 ivec2 ray_block_size() {
     return ivec2(int(view.march_size.z), int(view.steps.w));
 }
-ivec2 ray_turn(ivec2 size, int row) {
-    int cell = int(view.frame.x);
-    return ivec2((cell % size.x) ^ (size.x > size.y ? row & 1 : 0), cell / size.x);
+ivec2 ray_turn(int row) {
+    return ivec2(view.turn.x ^ (uint(row) & view.turn.z), view.turn.y);
 }
 
 struct view_ray {

@@ -418,6 +418,15 @@ static void rates_share_their_rays(void **state) {
             assert_true(now >= 0.98f * fminf(a, b) && now <= 1.02f * fmaxf(a, b));
         }
     }
+    /* So does a part of a larger view. */
+    velum_view *roomy = fixture_view(&r.f, r.eye, 3 * W, 2 * H);
+    plan.ray_rate = 16;
+    assert_int_equal(r.f.engine_api->set_plan(r.eye, &plan), VELUM_OK);
+    r.camera.width = W;
+    r.camera.height = H;
+    draw(&r, r.eye, roomy, 16);
+    assert_true(apart(r.light, light) < 1e-4);
+    assert_int_equal(r.f.engine_api->destroy_view(roomy), VELUM_OK);
     rig_finish(&r);
 }
 
