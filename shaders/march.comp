@@ -6,6 +6,7 @@
 #include "view.glsl"
 #include "weather.glsl"
 #include "shared/phase.h"
+#include "shared/slab.h"
 #include "study.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
@@ -56,6 +57,9 @@ struct cloud_hit {
     vec3 r;
     vec3 normal;
     float height_m;
+    float step_m;    /* of a uniform layer: length of the step, */
+    float step_h_m;  /* height at which it begins, */
+    float step_rise; /* metres that it gains a metre */
 };
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
@@ -89,8 +93,29 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     return depth * f.extinction_1_m;
 }
 
-/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. */
-vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
+/* What the eye gets of a uniform layer from a step, over what the step takes: its place along the step, metres, too. */
+velum_slab_light slab_light(cloud_hit hit, float mu_sun, out float place_m) {
+    velum_slot_fields f = hit.fields;
+    float end_h_m = hit.step_h_m + hit.step_rise * hit.step_m;
+    float low = max(min(hit.step_h_m, end_h_m), f.base_m);
+    float high = min(max(hit.step_h_m, end_h_m), f.top_m);
+    bool level = abs(end_h_m - hit.step_h_m) <= 0.01;
+    bool whole = level || STUDIED(study_at_point(), false);
+    float first = whole ? hit.height_m : hit.step_rise > 0.0 ? low : high;
+    float last = whole ? hit.height_m : hit.step_rise > 0.0 ? high : low;
+    float before_m = level ? 0.0 : clamp((first - hit.step_h_m) / hit.step_rise, 0.0, hit.step_m);
+    float within_m = level ? hit.step_m : clamp((last - first) / hit.step_rise, 0.0, hit.step_m);
+    float to_sun = f.extinction_1_m / max(mu_sun, 1e-3);
+    velum_slab_light light = velum_slab_light_of(f.extinction_1_m * within_m, to_sun * max(f.top_m - first, 0.0),
+                                                 to_sun * max(f.top_m - last, 0.0),
+                                                 0.75 * (1.0 - eye.slots[hit.slot].optics.y));
+    place_m = before_m + within_m * light.place;
+    return light;
+}
+
+/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: where on the step it
+ * comes from, if that is known better. */
+vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
     velum_slot_fields f = hit.fields;
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float mu_sun = dot(hit.normal, eye.sun.xyz);
@@ -119,13 +144,17 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
     vec3 from_below = ambient_at(hit.height_m, true) / (1.0 + 0.10 * min(column * z, flank));
     vec3 source = sun * orders + (from_above + from_below) * 0.5;
 
-    /* A uniform layer knows its depth in closed form. */
+    /* A uniform layer knows its light in closed form. */
     float g = eye.slots[hit.slot].optics.y;
-    float slab_depth = f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3);
-    float slab_diffuse = max(1.0 / (1.0 + 0.75 * (1.0 - g) * slab_depth) - exp(-slab_depth), 0.0);
-    float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
-    vec3 slab = sun * (velum_phase_hg(phases.cos_sun, g) * exp(-slab_depth) +
-                       slab_share * 2.2 * VELUM_INV_4PI * slab_diffuse) * eye.slots[hit.slot].optics.x;
+    for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
+        float slab_place_m;
+        velum_slab_light light = slab_light(hit, mu_sun, slab_place_m);
+        float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
+        source = sun * (velum_phase_hg(phases.cos_sun, g) * light.direct +
+                        slab_share * 2.2 * VELUM_INV_4PI * max(light.diffuse - light.direct, 0.0)) *
+                 eye.slots[hit.slot].optics.x;
+        place_m = STUDIED(study_at_point() ? place_m : slab_place_m, slab_place_m);
+    }
 #ifdef VELUM_STUDY
     for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
         bool ice = hit.slot == VELUM_SLOT_HIGH;
@@ -136,14 +165,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start) {
         theirs.cos_sun = phases.cos_sun;
         theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
         theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;
-        theirs.depth = uniform_layer ? slab_depth : depth;
+        theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : depth;
         theirs.depth_above = min(column * above, flank);
         theirs.depth_below = min(column * z, flank);
-        source = study_octave_source(theirs);
-        slab = source * eye.slots[hit.slot].optics.x;
+        source = study_octave_source(theirs) * (uniform_layer ? eye.slots[hit.slot].optics.x : 1.0);
     }
 #endif
-    return uniform_layer ? slab : source;
+    return source;
 }
 
 void main() {
@@ -245,7 +273,9 @@ void main() {
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
         }
-        int slot = meets != 0u ? findLSB(meets) : 0;
+        /* Of two uniform layers in one step the nearer comes first; they come last. */
+        uint sheets = meets >> uint(VELUM_SLOT_UNIFORM) << uint(VELUM_SLOT_UNIFORM);
+        int slot = meets == 0u ? 0 : meets == sheets && rise < 0.0 ? findMSB(meets) : findLSB(meets);
         bool looking = meets != 0u;
         done |= looking ? 1u << uint(slot) : 0u;
         meets &= ~(1u << uint(slot));
@@ -307,8 +337,12 @@ void main() {
         hit.r = r;
         hit.normal = normal;
         hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
+        hit.step_m = dt;
+        hit.step_h_m = h0;
+        hit.step_rise = rise;
+        float start_m = position;
 
-        bool found = extinction > 1.0e-7;
+        bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
         if (found && !is_short && !uniform_layer) {
             short_until = position + dt;
@@ -333,15 +367,16 @@ void main() {
         bool wanted = hit.extinction_1_m > 0.0 && (STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim) || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
         int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
         light_samples += uint(light_steps);
+        float place_m = at - start_m;
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
-            source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset);
+            source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
         }
         lit = lit || wanted;
-        float length_m = max(min(dt, end - (at - dt * offset)), 0.0);
-        float step_t = exp(-hit.extinction_1_m * length_m);
-        float alpha = through * (1.0 - step_t);
-        light += STUDIED(study_share(through, hit.extinction_1_m * length_m), alpha) * source;
-        weighted += alpha * min(at, end);
+        float depth = hit.extinction_1_m * max(min(dt, end - start_m), 0.0);
+        float step_t = exp(-depth);
+        float alpha = through * velum_opacity(depth, step_t);
+        light += STUDIED(study_share(through, depth), alpha) * source;
+        weighted += alpha * min(start_m + place_m, end);
         weight += alpha;
         through *= step_t;
         if (through < STUDIED(view.study_limits.z, opaque)) {

@@ -47,7 +47,12 @@ float study_share(float through, float depth) {
     return integrator == VELUM_STUDY_BEFORE      ? before_share
            : integrator == VELUM_STUDY_AFTER     ? after_share
            : integrator == VELUM_STUDY_TRAPEZOID ? 0.5 * (before_share + after_share)
-                                                 : through * (1.0 - after);
+                                                 : through * velum_opacity(depth, after);
+}
+
+/* These take the light of a step from one place of it in uniform layers, too. */
+bool study_at_point() {
+    return view.study.y != 0u;
 }
 
 int study_sun_lumps() {
