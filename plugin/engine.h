@@ -222,6 +222,10 @@ struct view {
     gpu_image history[2], history_data[2];
     uint32_t newest;  /* of history */
     uint32_t counter; /* frames since reset */
+    uint32_t settled; /* of them, before history was begun anew because the picture had come to rest */
+    uint32_t still;   /* frames in a row that showed the same */
+    uint32_t rest;    /* so many are a rest: more than the host repeats a pose while it moves */
+    bool has_moved;   /* some frame since then did not */
     bool has_camera;
     camera before;
     velum_view_stats stats;

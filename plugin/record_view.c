@@ -11,7 +11,12 @@ static const uint8_t order_4[4] = {0, 3, 1, 2};
 
 /* Samples that a pixel's history counts for at most while the picture moves. */
 #define MOVING_SAMPLES 3.0f
+/* Beyond these an eye has not flown but been put elsewhere; in orbit it makes 8 km/s. */
 #define JUMP_S 5.0
+#define JUMP_M 1000.0
+#define JUMP_M_S 12000.0
+/* Simulations slower than the display repeat each pose for a few frames: fewer than these. */
+#define REPEATS_MOST 16
 #define EYE_REACH_M 10000.0
 
 /* Van der Corput's sequence in base 2 (1935). */
@@ -155,13 +160,23 @@ static bool weather_jumped(const engine *e, const camera *before, const camera *
     return false;
 }
 
+static bool eye_jumped(const camera *before, const camera *now) {
+    double away2 = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double d = now->position[i] - before->position[i];
+        away2 += d * d;
+    }
+    double dt = fabs(now->time_s - before->time_s);
+    double reach_m = JUMP_M + JUMP_M_S * dt;
+    return !(dt <= JUMP_S && away2 <= reach_m * reach_m);
+}
+
 static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
                         uint32_t ray_rate) {
     const camera *before = &v->before;
-    double dt = now->time_s - before->time_s;
     return !v->has_camera || (f->flags & VELUM_VIEW_CUT) || v->eye->reset || now->width != before->width ||
-           now->height != before->height || now->flags != before->flags || dt < 0.0 || dt > JUMP_S ||
-           v->ray_rate != ray_rate || weather_jumped(e, before, now);
+           now->height != before->height || now->flags != before->flags || v->ray_rate != ray_rate ||
+           eye_jumped(before, now) || weather_jumped(e, before, now);
 }
 
 static bool stands_still(const camera *a, const camera *b) {
@@ -170,6 +185,38 @@ static bool stands_still(const camera *a, const camera *b) {
            memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->tan, b->tan, sizeof a->tan) == 0 &&
            memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
+}
+
+/* What this frame makes of a view's history. */
+typedef struct history_turn {
+    bool anew, settles;
+    uint32_t counter, settled, still, rest; /* as those of the view */
+    bool has_moved;
+} history_turn;
+
+static history_turn turn_of(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
+                            uint32_t ray_rate) {
+    if (starts_anew(e, v, f, now, ray_rate)) {
+        return (history_turn){.anew = true, .rest = 1};
+    }
+    bool is_still = stands_still(now, &v->before);
+    history_turn t = {.counter = v->counter,
+                      .settled = v->settled,
+                      .still = is_still ? v->still + 1 : 0,
+                      .rest = v->rest,
+                      .has_moved = v->has_moved || !is_still};
+    if (!is_still && v->still < REPEATS_MOST && v->still >= t.rest) {
+        t.rest = v->still + 1;
+    } else if (t.still >= REPEATS_MOST) {
+        t.rest = 1;
+    }
+    /* A progressive mean that moved pictures have gone into would keep them. */
+    t.settles = t.has_moved && t.still >= v->rest;
+    if (t.settles) {
+        t.settled = t.counter;
+        t.has_moved = false;
+    }
+    return t;
 }
 
 static void fill_axes(const camera *c, const double origin[3], float right[4], float up[4], float forward[4],
@@ -214,7 +261,8 @@ static void fill_study(const velum_plan *plan, velum_view_block *out) {
 }
 
 static void fill_view(const view *v, const velum_view_frame *f, const velum_vulkan_images *images, const camera *now,
-                      bool anew, velum_view_block *out) {
+                      const history_turn *history, velum_view_block *out) {
+    const bool anew = history->anew;
     const eye *y = v->eye;
     const engine *e = y->e;
     const velum_plan *plan = &y->plan;
@@ -229,18 +277,18 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->scale[0] = now->scale;
     out->scale[1] = f->jitter_x;
     out->scale[2] = f->jitter_y;
-    out->scale[3] = anew || stands_still(now, before) ? 0.0f : MOVING_SAMPLES;
+    out->scale[3] = anew || history->still > 0 ? 0.0f : MOVING_SAMPLES;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;
     out->depth[2] = f->depth_far_m;
     out->depth[3] = images->format == VK_FORMAT_R32G32B32A32_SFLOAT ? 3e38f : 65000.0f;
     const block_size side = block_of(plan->ray_rate);
     const uint32_t turns = side.w * side.h;
-    uint32_t counter = anew ? 0 : v->counter;
+    const uint32_t counter = history->counter;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
     const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
                                     counter};
-    uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) |
+    uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) | (history->settles ? VELUM_VIEW_BLOCK_SETTLE : 0u) |
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
@@ -260,7 +308,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;
     /* In the middle of the step at first, then through all of it. */
-    out->march[3] = fmodf(0.5f + radical_inverse(counter / turns), 1.0f);
+    out->march[3] = fmodf(0.5f + radical_inverse((counter - history->settled) / turns), 1.0f);
     const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, side.h};
     memcpy(out->steps, steps, sizeof steps);
     fill_study(plan, out);
@@ -454,16 +502,16 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     if (y->quality == VELUM_QUALITY_REFERENCE) {
         camera here = camera_of(e, &f);
         velum_view_block own;
-        fill_view(v, &f, &im, &here, true, &own);
+        fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
     if (!grow_march(v, block_of(ray_rate))) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);
-    bool anew = starts_anew(e, v, &f, &now, ray_rate);
+    history_turn history = turn_of(e, v, &f, &now, ray_rate);
     velum_view_block block;
-    fill_view(v, &f, &im, &now, anew, &block);
+    fill_view(v, &f, &im, &now, &history, &block);
     uint32_t counter = slot->record_count;
     if (!bind_view(v, commands, &im, &block, counter)) {
         return gpu_result(&e->g);
@@ -483,7 +531,11 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
                                                                   .weather_bytes = engine_weather_bytes(e),
                                                                   .view_bytes = v->bytes}};
     v->newest ^= 1u;
-    v->counter = anew ? 1 : v->counter + 1;
+    v->counter = history.counter + 1;
+    v->settled = history.settled;
+    v->still = history.still;
+    v->rest = history.rest;
+    v->has_moved = history.has_moved;
     v->before = now;
     v->has_camera = true;
     v->ray_rate = ray_rate;

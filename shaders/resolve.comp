@@ -30,6 +30,8 @@ layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE d
 const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away. */
 const float nothing_m = 60000.0;
+/* Samples of a pixel that is shown until it has one of its own. */
+const float shown = 0.75;
 
 struct cloud_pixel {
     vec4 light;       /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
@@ -87,9 +89,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv * (size / view.room.zw), 0.0);
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
-    float count = data.g;
+    /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
+    float count = view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g;
     /* Until a ray of its own has come, the distance is a neighbour's. */
-    float old_distance_m = count < 0.5 && own ? 0.0 : data.r * distance_unit_m;
+    float old_distance_m = count < 1.0 && own ? 0.0 : data.r * distance_unit_m;
 
     /* What this frame saw around the pixel bounds what can have been there. */
     vec4 low = fresh.light;
@@ -102,12 +105,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     if (!still) {
         vec4 slack = (high - low) * 0.25 + vec4(0.02 * high.rgb, 0.02);
         old = clamp(old, low - slack, high + slack);
-        count = min(count, view.scale.w);
+        count = count < 0.5 ? 0.0 : clamp(count, 1.0, view.scale.w);
     }
 
     cloud_pixel result;
     if (own) {
-        float n = count + 1.0;
+        float n = count < 1.0 ? 1.0 : count + 1.0;
         result.light = mix(old, fresh.light, 1.0 / n);
         result.distance_m = old_distance_m > 0.0 && fresh.distance_m > 0.0
                                 ? mix(old_distance_m, fresh.distance_m, 1.0 / n)

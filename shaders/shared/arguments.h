@@ -48,7 +48,8 @@ VELUM_STRUCT(velum_eye_block) {
 #define VELUM_VIEW_BLOCK_ORTHOGRAPHIC 2u
 #define VELUM_VIEW_BLOCK_GROUND 4u
 #define VELUM_VIEW_BLOCK_SUN_DISC 8u
-#define VELUM_VIEW_BLOCK_DEPTH 16u /* a depth image is bound */
+#define VELUM_VIEW_BLOCK_DEPTH 16u  /* a depth image is bound */
+#define VELUM_VIEW_BLOCK_SETTLE 32u /* what history holds is shown until a pixel has a ray of its own, and then forgotten */
 
 /* A view in a frame. Offsets are from the eye of this frame, m. */
 VELUM_STRUCT(velum_view_block) {
