@@ -4,7 +4,7 @@
 
 #include "measure.h"
 
-enum { PROGRAM_NAMES = 32 };
+enum { PROGRAM_NAMES = 48 };
 
 typedef struct program program;
 /* Told of every picture that was compared. */

@@ -312,6 +312,32 @@ bool stage_cast_shadow(stage *s, const stage_camera *c) {
     return result >= 0;
 }
 
+bool stage_check_shadow(stage *s, const stage_camera *c, double time_s, uint32_t *out_wrong) {
+    const velum_shadow_desc desc = {.struct_size = sizeof desc, .levels = 2, .texels = 64, .extent_m = 8192.0f};
+    enum { COUNT = 2 * 64 * 64 };
+    const velum_frame_info frame = frame_info(s, time_s);
+    velum_shadow_frame where = {.struct_size = sizeof where};
+    memcpy(where.centre_ecef_m, c->position_m, sizeof where.centre_ecef_m);
+    velum_shadow *shadow = NULL;
+    float *map = malloc(COUNT * sizeof *map);
+    velum_result result = map ? s->host.engine->create_shadow(s->engine, &desc, &shadow) : VELUM_ERROR_OUT_OF_MEMORY;
+    if (result >= 0) {
+        result = s->host.standalone->render_shadow(s->engine, &frame, shadow, &where, map, COUNT);
+    }
+    *out_wrong = 0;
+    for (int i = 0; i < COUNT && result >= 0; i++) {
+        *out_wrong += map[i] >= 0.0f && map[i] <= 1.0f ? 0 : 1;
+    }
+    free(map);
+    if (shadow) {
+        s->host.engine->destroy_shadow(shadow);
+    }
+    if (result < 0) {
+        stage_fail(s, "shadow map", result);
+    }
+    return result >= 0;
+}
+
 velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double time_s, uint32_t flags, picture *out,
                         stage_cost *cost) {
     const velum_frame_info frame = frame_info(s, time_s);

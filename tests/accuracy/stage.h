@@ -67,6 +67,9 @@ bool stage_prepare(stage *s, const stage_camera *c, uint32_t width, double time_
 /* A shadow map about the camera, for the views of the engine: ground lies in shadow of clouds. */
 bool stage_cast_shadow(stage *s, const stage_camera *c);
 
+/* How many texels of such a map, of its own and soon gone, are not within 0..1. */
+bool stage_check_shadow(stage *s, const stage_camera *c, double time_s, uint32_t *out_wrong);
+
 /* Of an eye with VELUM_EYE_STUDY, but for the reference. */
 velum_result stage_view_init(stage *s, stage_view *v, int32_t quality, uint32_t width, uint32_t height);
 void stage_view_finish(stage_view *v, stage *s);
