@@ -57,9 +57,8 @@ struct cloud_hit {
     vec3 r;
     vec3 normal;
     float height_m;
-    float step_m;    /* of a uniform layer: length of the step, */
-    float step_h_m;  /* height at which it begins, */
-    float step_rise; /* metres that it gains a metre */
+    float at_h_m, rise; /* of the sample: height; metres that the ray gains a metre */
+    velum_slab_span span; /* of the step, about the sample, in a uniform layer */
 };
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
@@ -93,28 +92,21 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     return depth * f.extinction_1_m;
 }
 
-/* What the eye gets of a uniform layer from a step, over what the step takes: its place along the step, metres, too. */
-velum_slab_light slab_light(cloud_hit hit, float mu_sun, out float place_m) {
+/* What the eye gets of a uniform layer from a step, over what the step takes. */
+velum_slab_light slab_light(cloud_hit hit, float mu_sun) {
     velum_slot_fields f = hit.fields;
-    float end_h_m = hit.step_h_m + hit.step_rise * hit.step_m;
-    float low = max(min(hit.step_h_m, end_h_m), f.base_m);
-    float high = min(max(hit.step_h_m, end_h_m), f.top_m);
-    bool level = abs(end_h_m - hit.step_h_m) <= 0.01;
-    bool whole = level || STUDIED(study_at_point(), false);
-    float first = whole ? hit.height_m : hit.step_rise > 0.0 ? low : high;
-    float last = whole ? hit.height_m : hit.step_rise > 0.0 ? high : low;
-    float before_m = level ? 0.0 : clamp((first - hit.step_h_m) / hit.step_rise, 0.0, hit.step_m);
-    float within_m = level ? hit.step_m : clamp((last - first) / hit.step_rise, 0.0, hit.step_m);
+    bool at_point = STUDIED(study_at_point(), false);
+    float first = clamp(velum_height_along(hit.at_h_m, hit.rise, hit.span.from_m), f.base_m, f.top_m);
+    float last = clamp(velum_height_along(hit.at_h_m, hit.rise, hit.span.to_m), f.base_m, f.top_m);
+    first = at_point ? hit.height_m : first;
+    last = at_point ? hit.height_m : last;
     float to_sun = f.extinction_1_m / max(mu_sun, 1e-3);
-    velum_slab_light light = velum_slab_light_of(f.extinction_1_m * within_m, to_sun * max(f.top_m - first, 0.0),
-                                                 to_sun * max(f.top_m - last, 0.0),
-                                                 0.75 * (1.0 - eye.slots[hit.slot].optics.y));
-    place_m = before_m + within_m * light.place;
-    return light;
+    return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * hit.span.inside_m, to_sun * (f.top_m - first),
+                               to_sun * (f.top_m - last), 0.75 * (1.0 - eye.slots[hit.slot].optics.y));
 }
 
-/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: where on the step it
- * comes from, if that is known better. */
+/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
+ * sample it comes from, if that is known better. */
 vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
     velum_slot_fields f = hit.fields;
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
@@ -147,13 +139,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     /* A uniform layer knows its light in closed form. */
     float g = eye.slots[hit.slot].optics.y;
     for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
-        float slab_place_m;
-        velum_slab_light light = slab_light(hit, mu_sun, slab_place_m);
+        velum_slab_light light = slab_light(hit, mu_sun);
         float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
         source = sun * (velum_phase_hg(phases.cos_sun, g) * light.direct +
                         slab_share * 2.2 * VELUM_INV_4PI * max(light.diffuse - light.direct, 0.0)) *
                  eye.slots[hit.slot].optics.x;
-        place_m = STUDIED(study_at_point() ? place_m : slab_place_m, slab_place_m);
+        float seen_m = mix(hit.span.from_m, hit.span.to_m, light.place);
+        place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
     }
 #ifdef VELUM_STUDY
     for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
@@ -254,7 +246,7 @@ void main() {
         float h0 = h - rise * dt * offset;
         float h1 = h + rise * dt * (1.0 - offset);
         float low = min(h0, h1);
-        float high = max(h0, h1);
+        float high = max(h0, h1) + dt * dt * (0.5 / VELUM_WGS84_A_M);
         tile = tile_move(tile, normal, at);
         missing = missing || tile.missing;
 
@@ -309,10 +301,11 @@ void main() {
 #endif
         samples += within ? 1u : 0u;
         /* Sharp faces: the share of the step that lies within them. */
-        float overlap = high - low > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / (high - low), 0.0, 1.0)
-                                          : (h >= f.base_m && h <= f.top_m ? 1.0 : 0.0);
-        float slab = looking && f.coverage >= 0.5 ? f.extinction_1_m * overlap : 0.0;
-        extinction = uniform_layer ? slab : extinction;
+        velum_slab_span span = velum_slab_span(0.0, 0.0, 0.0);
+        for (int once = uniform_layer && looking && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
+            span = velum_slab_within(h, rise, f.base_m, f.top_m, dt * offset, dt * (1.0 - offset));
+        }
+        extinction = uniform_layer ? f.extinction_1_m * span.inside_m / dt : extinction;
 
         /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
@@ -337,9 +330,9 @@ void main() {
         hit.r = r;
         hit.normal = normal;
         hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
-        hit.step_m = dt;
-        hit.step_h_m = h0;
-        hit.step_rise = rise;
+        hit.at_h_m = h;
+        hit.rise = rise;
+        hit.span = span;
         float start_m = position;
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
@@ -367,7 +360,7 @@ void main() {
         bool wanted = hit.extinction_1_m > 0.0 && (STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim) || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
         int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
         light_samples += uint(light_steps);
-        float place_m = at - start_m;
+        float place_m = 0.0;
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
             source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
         }
@@ -376,7 +369,7 @@ void main() {
         float step_t = exp(-depth);
         float alpha = through * velum_opacity(depth, step_t);
         light += STUDIED(study_share(through, depth), alpha) * source;
-        weighted += alpha * min(start_m + place_m, end);
+        weighted += alpha * min(at + place_m, end);
         weight += alpha;
         through *= step_t;
         if (through < STUDIED(view.study_limits.z, opaque)) {

@@ -3,6 +3,7 @@
 /* A level of a cloud shadow map: transmittance of all cloud towards the sun, from where the texel's line along the sun
  * meets the ellipsoid. */
 #include "weather.glsl"
+#include "shared/slab.h"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_SHADOW_LEVEL, std140) uniform level_uniform {
     velum_shadow_level_block level;
@@ -51,7 +52,7 @@ void main() {
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
             float h = place.height_m;
-            float rise = abs(dot(normal, to_sun) * dt);
+            float rise = dot(normal, to_sun);
             tile = tile_move(tile, normal, max(length(r), 1.0));
             bool here = (tile.mask & (1u << uint(slot))) != 0u;
             velum_slot_fields f = slot_fields(tile, slot, here);
@@ -72,11 +73,10 @@ void main() {
                 stride = max(dt, 0.5 * dt + min(clear, known));
             }
             /* Sharp faces: the share of the step that lies within them. */
-            float low = h - 0.5 * rise;
-            float high = h + 0.5 * rise;
-            float overlap = rise > 0.01 ? clamp((min(high, f.top_m) - max(low, f.base_m)) / rise, 0.0, 1.0)
-                                        : (h >= f.base_m && h <= f.top_m ? 1.0 : 0.0);
-            depth += uniform_layer && here && f.coverage >= 0.5 ? f.extinction_1_m * dt * overlap : 0.0;
+            for (int once = uniform_layer && here && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
+                float half_m = 0.5 * dt;
+                depth += f.extinction_1_m * velum_slab_within(h, rise, f.base_m, f.top_m, half_m, half_m).inside_m;
+            }
             position += stride;
         }
     }

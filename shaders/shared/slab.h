@@ -2,7 +2,52 @@
 #ifndef VELUM_SLAB_H
 #define VELUM_SLAB_H
 
-#include "dialect.h"
+#include "planet.h"
+
+#ifndef VULKAN
+#include <stdbool.h>
+#endif
+
+/* Along a ray, from a place on it. */
+VELUM_STRUCT(velum_slab_span) {
+    float from_m, to_m; /* from <= to */
+    float inside_m;     /* the length of it that lies in the layer: less only where the ray dips below it in between */
+};
+
+/* Where a ray is below `face_m`, from `before_m` behind a place at height h to `after_m` ahead of it, if it rises by
+ * `rise` a metre there: curvature adds t^2 (1 - rise^2) / 2a. */
+VELUM_FN velum_slab_span velum_slab_below(float h, float rise, float face_m, float before_m, float after_m) {
+    velum_slab_span span;
+    float bend = VELUM_MAX(1.0f - rise * rise, 1.0e-6f) / (2.0f * VELUM_WGS84_A_M);
+    float over = h - face_m;
+    float inside = rise * rise - 4.0f * bend * over;
+    float q = -0.5f * (rise + (rise < 0.0f ? -1.0f : 1.0f) * VELUM_SQRT(VELUM_MAX(inside, 0.0f)));
+    float t1 = q / bend;
+    float t2 = q != 0.0f ? over / q : 0.0f;
+    span.from_m = velum_clamp(VELUM_MIN(t1, t2), -before_m, after_m);
+    span.to_m = inside > 0.0f ? velum_clamp(VELUM_MAX(t1, t2), -before_m, after_m) : span.from_m;
+    span.inside_m = span.to_m - span.from_m;
+    return span;
+}
+
+/* The same between a layer's faces; of what a ray that dips below it leaves on both sides, one side is named. */
+VELUM_FN velum_slab_span velum_slab_within(float h, float rise, float base_m, float top_m, float before_m,
+                                           float after_m) {
+    velum_slab_span span = velum_slab_below(h, rise, top_m, before_m, after_m);
+    velum_slab_span under = velum_slab_below(h, rise, base_m, before_m, after_m);
+    span.inside_m = VELUM_MAX(span.inside_m - under.inside_m, 0.0f);
+    if (under.inside_m > 0.0f) {
+        bool falls = under.from_m - span.from_m > span.to_m - under.to_m;
+        span.to_m = falls ? under.from_m : span.to_m;
+        span.from_m = falls ? span.from_m : under.to_m;
+    }
+    return span;
+}
+
+/* Height at t. */
+VELUM_FN float velum_height_along(float h, float rise, float t) {
+    return h + t * (rise + t * (1.0f - rise * rise) / (2.0f * VELUM_WGS84_A_M));
+}
 
 /* 1 - exp(-depth), of which `through` is exp(-depth): thin steps keep their digits. */
 VELUM_FN float velum_opacity(float depth, float through) {
