@@ -15,6 +15,9 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[4];
 };
 
+/* Both uniform layers, no other. */
+const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
+
 /* Of a long step. */
 const float short_share = 0.18;
 const float dim = 0.3;
@@ -57,8 +60,8 @@ struct cloud_hit {
     vec3 r;
     vec3 normal;
     float height_m;
-    float at_h_m, rise; /* of the sample: height; metres that the ray gains a metre */
-    velum_slab_span span; /* of the step, about the sample, in a uniform layer */
+    float at_h_m, rise;       /* of the sample: height; metres that the ray gains a metre */
+    float before_m, after_m; /* of the step, about the sample */
 };
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
@@ -92,16 +95,20 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     return depth * f.extinction_1_m;
 }
 
+velum_slab_span slab_span(cloud_hit hit) {
+    return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
+}
+
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
-velum_slab_light slab_light(cloud_hit hit, float mu_sun) {
+velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
     velum_slot_fields f = hit.fields;
     bool at_point = STUDIED(study_at_point(), false);
-    float first = clamp(velum_height_along(hit.at_h_m, hit.rise, hit.span.from_m), f.base_m, f.top_m);
-    float last = clamp(velum_height_along(hit.at_h_m, hit.rise, hit.span.to_m), f.base_m, f.top_m);
+    float first = clamp(velum_height_along(hit.at_h_m, hit.rise, span.from_m), f.base_m, f.top_m);
+    float last = clamp(velum_height_along(hit.at_h_m, hit.rise, span.to_m), f.base_m, f.top_m);
     first = at_point ? hit.height_m : first;
     last = at_point ? hit.height_m : last;
     float to_sun = f.extinction_1_m / max(mu_sun, 1e-3);
-    return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * hit.span.inside_m, to_sun * (f.top_m - first),
+    return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * span.inside_m, to_sun * (f.top_m - first),
                                to_sun * (f.top_m - last), 0.75 * (1.0 - eye.slots[hit.slot].optics.y));
 }
 
@@ -139,12 +146,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     /* A uniform layer knows its light in closed form. */
     float g = eye.slots[hit.slot].optics.y;
     for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
-        velum_slab_light light = slab_light(hit, mu_sun);
+        velum_slab_span span = slab_span(hit);
+        velum_slab_light light = slab_light(hit, span, mu_sun);
         float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
         source = sun * (velum_phase_hg(phases.cos_sun, g) * light.direct +
                         slab_share * 2.2 * VELUM_INV_4PI * max(light.diffuse - light.direct, 0.0)) *
                  eye.slots[hit.slot].optics.x;
-        float seen_m = mix(hit.span.from_m, hit.span.to_m, light.place);
+        float seen_m = mix(span.from_m, span.to_m, light.place);
         place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
     }
 #ifdef VELUM_STUDY
@@ -266,8 +274,8 @@ void main() {
             meets |= fresh ? bit : 0u;
         }
         /* Of two uniform layers in one step the nearer comes first; they come last. */
-        uint sheets = meets >> uint(VELUM_SLOT_UNIFORM) << uint(VELUM_SLOT_UNIFORM);
-        int slot = meets == 0u ? 0 : meets == sheets && rise < 0.0 ? findMSB(meets) : findLSB(meets);
+        int slot = meets != 0u ? findLSB(meets) : 0;
+        slot = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : slot;
         bool looking = meets != 0u;
         done |= looking ? 1u << uint(slot) : 0u;
         meets &= ~(1u << uint(slot));
@@ -301,11 +309,15 @@ void main() {
 #endif
         samples += within ? 1u : 0u;
         /* Sharp faces: the share of the step that lies within them. */
-        velum_slab_span span = velum_slab_span(0.0, 0.0, 0.0);
+        hit.fields = f;
+        hit.at_h_m = h;
+        hit.rise = rise;
+        hit.before_m = dt * offset;
+        hit.after_m = dt - hit.before_m;
+        extinction = uniform_layer ? 0.0 : extinction;
         for (int once = uniform_layer && looking && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
-            span = velum_slab_within(h, rise, f.base_m, f.top_m, dt * offset, dt * (1.0 - offset));
+            extinction = f.extinction_1_m * slab_span(hit).inside_m / dt;
         }
-        extinction = uniform_layer ? f.extinction_1_m * span.inside_m / dt : extinction;
 
         /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
@@ -323,16 +335,12 @@ void main() {
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         hit.slot = slot;
-        hit.fields = f;
         hit.profile = profile;
         hit.excess = e;
         hit.margin = max(margin, 0.0);
         hit.r = r;
         hit.normal = normal;
         hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
-        hit.at_h_m = h;
-        hit.rise = rise;
-        hit.span = span;
         float start_m = position;
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
