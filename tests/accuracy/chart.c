@@ -206,7 +206,7 @@ static void write_presets(const program *p, FILE *file) {
                 fprintf(file, "| %s |", row->name);
             }
             if (m) {
-                fprintf(file, " %.3f | %.3f | %+.3f | %.0f |", m->m_8.error_corrected, m->m.error_corrected, m->m.bias,
+                fprintf(file, " %.3f | %.3f | %+.3f | %.0f |", m->m_8.error, m->m.error, m->m.bias,
                         m->ms_per_megapixel);
             } else if (last) {
                 fprintf(file, " - | - | - | - |");
@@ -214,7 +214,7 @@ static void write_presets(const program *p, FILE *file) {
             last = m ? m : last;
         }
         if (last) {
-            fprintf(file, " %.3f, %.3f%s |\n", last->m_8.noise, last->m.noise, last->stand_in ? " (stand-in)" : "");
+            fprintf(file, " %.3f, %.3f%s |\n", last->m_8.noise, last->m.noise, "");
         }
     }
 }
@@ -256,8 +256,8 @@ static bool write_page(const program *p, const point *points, uint32_t count) {
                     "8: %.3f)%s<td><img class=p "
                     "src=\"%s_ours.png\"><td><img class=p src=\"%s_reference.png\"><td><img class=p "
                     "src=\"%s_difference.png\">\n",
-                    row->name, row->about, m->m.error_corrected, m->m_8.error_corrected, m->m.bias, m->m.p99,
-                    m->m.noise, m->m_8.noise, m->stand_in ? " (stand-in)" : "", row->name, row->name, row->name);
+                    row->name, row->about, m->m.error, m->m_8.error, m->m.bias, m->m.p99, m->m.noise, m->m_8.noise, "",
+                    row->name, row->name, row->name);
         }
     }
     fprintf(file, "</table>\n");

@@ -13,12 +13,12 @@ typedef struct measurement {
     method_motion motion;
     double value;
     metric m, m_8; /* of pixels; of means over 8 x 8 */
+    double p99_4;  /* 99th percentile of means over 4 x 4, with what noise they have */
     uint32_t frames;
     double ms, ms_per_megapixel;         /* a frame with what views share; of the view alone */
     double rays, samples, light_samples; /* a pixel and frame */
     uint32_t invalid;                    /* pixels of the last frame that are no numbers, or negative */
     double paths;                        /* a pixel of the reference, at least */
-    bool stand_in;
 } measurement;
 
 /* quality: the preset, or with `row` that of the row with its value set. `out` is the last frame. The stage must hold

@@ -40,6 +40,24 @@ void picture_update_luminance(picture *p) {
     }
 }
 
+static void mix(float *into, const float *other, size_t count, double share) {
+    for (size_t i = 0; i < count; i++) {
+        into[i] = (float)((1.0 - share) * (double)into[i] + share * (double)other[i]);
+    }
+}
+
+void picture_merge(picture *into, double paths, const picture *other, double more) {
+    double share = more / (paths + more);
+    mix(into->rgb, other->rgb, 3 * (size_t)into->count, share);
+    mix(into->transmittance, other->transmittance, 3 * (size_t)into->count, share);
+    mix(into->distance, other->distance, into->count, share);
+    for (uint32_t i = 0; i < into->count; i++) {
+        into->variance[i] = (float)((1.0 - share) * (1.0 - share) * (double)into->variance[i] +
+                                    share * share * (double)other->variance[i]);
+    }
+    picture_update_luminance(into);
+}
+
 uint32_t picture_invalid(const picture *p) {
     uint32_t invalid = 0;
     for (uint32_t i = 0; i < p->count; i++) {
@@ -97,22 +115,20 @@ bool picture_write_png(const picture *p, double exposure_m2_cd, const char *path
 
 bool picture_write_difference_png(const picture *p, const picture *reference, double range, const char *path) {
     uint8_t *bytes = malloc((size_t)p->count * 3 + 1);
-    if (!bytes) {
-        return false;
+    float *difference = malloc((p->count + 1u) * sizeof *difference);
+    bool ok = bytes && difference;
+    if (ok) {
+        metric_difference(p->luminance, reference->luminance, reference->variance, p->width, p->height, difference);
     }
-    double mean = 0.0;
-    for (uint32_t i = 0; i < p->count; i++) {
-        mean += (double)reference->luminance[i] / p->count;
-    }
-    for (uint32_t i = 0; i < p->count; i++) {
-        double r = (double)reference->luminance[i];
-        double e = ((double)p->luminance[i] - r) / fmax(fmax(r, 0.01 * mean), 1e-30) / range;
+    for (uint32_t i = 0; i < p->count && ok; i++) {
+        double e = (double)difference[i] / range;
         double fade = 1.0 - fmin(fabs(e), 1.0);
         bytes[3 * i] = byte_of(e > 0.0 ? 1.0 : fade);
         bytes[3 * i + 1] = byte_of(fade);
         bytes[3 * i + 2] = byte_of(e < 0.0 ? 1.0 : fade);
     }
-    bool ok = png_write(path, p->width, p->height, 3, bytes);
+    ok = ok && png_write(path, p->width, p->height, 3, bytes);
     free(bytes);
+    free(difference);
     return ok;
 }

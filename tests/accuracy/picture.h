@@ -17,13 +17,16 @@ typedef struct picture {
 bool picture_init(picture *p, uint32_t width, uint32_t height);
 void picture_finish(picture *p);
 void picture_update_luminance(picture *p);
+/* Two independent pictures in one: means weighted by the paths of each, of which `into` has `paths` and `other` has
+ * `more`; not by their variances, which know what was found and would favour what is dark. */
+void picture_merge(picture *into, double paths, const picture *other, double more);
 /* Pixels (of rgb, transmittance, distance) that are NaN, infinite or negative, or whose transmittance exceeds 1. */
 uint32_t picture_invalid(const picture *p);
 
 /* exposure_m2_cd: what makes a luminance 1. */
 bool picture_write_png(const picture *p, double exposure_m2_cd, const char *path);
-/* (p - r) / max(r, 1 % of the mean): red where p is brighter, blue where darker, white where equal; full colour at
- * `range`. */
+/* metric_difference: red where p is brighter, blue where darker, white where equal or explained by the reference's
+ * noise; full colour at `range`. */
 bool picture_write_difference_png(const picture *p, const picture *reference, double range, const char *path);
 /* 1 over about the luminance of what is brightest, 98th percentile. */
 double picture_exposure(const picture *p);

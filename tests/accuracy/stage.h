@@ -12,7 +12,7 @@ typedef struct stage {
     test_host host;
     int32_t device;        /* VELUM_DEVICE_* */
     char device_name[256]; /* once there is an engine */
-    uint64_t plugin_hash;  /* of the library's file */
+    uint64_t revision;     /* of what shapes a reference: of the sources; of another library than theirs, its file */
     const char *scenes;    /* folder */
     const char *shared;    /* folder of the real weather files */
     velum_world *world;
