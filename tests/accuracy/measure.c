@@ -85,7 +85,7 @@ static bool compare(const picture *p, const reference *r, measurement *m) {
 }
 
 bool measure(stage *s, const char *scene, const stage_camera *c, const method_row *row, double value, int32_t quality,
-             const reference *r, picture *out, measurement *result) {
+             const reference *r, const picture *limit, picture *out, measurement *result) {
     uint32_t frames = row ? row->frames : PRESET_FRAMES;
     method_motion motion = row ? row->motion : MOTION_STILL;
     *result = (measurement){.scene = scene,
@@ -95,7 +95,8 @@ bool measure(stage *s, const char *scene, const stage_camera *c, const method_ro
                             .motion = motion,
                             .value = value,
                             .frames = frames,
-                            .paths = r->paths};
+                            .paths = r->paths,
+                            .error_limit = -1.0};
     stage_view v;
     double view_ms[FRAMES_MAX], all_ms[FRAMES_MAX];
     bool ok = false;
@@ -133,6 +134,10 @@ bool measure(stage *s, const char *scene, const stage_camera *c, const method_ro
     result->ms_per_megapixel = median(view_ms, frames) * 1e6 / out->count;
     result->invalid = picture_invalid(out);
     ok = compare(out, r, result);
+    metric against;
+    if (limit && metric_compute(out->luminance, limit->luminance, NULL, out->count, &against)) {
+        result->error_limit = against.error;
+    }
 done:
     stage_view_finish(&v, s);
     return ok;
@@ -159,9 +164,13 @@ void measure_print_json(FILE *file, const measurement *m) {
             "\"error_sigma\": %.3g, \"bias\": %.5g, \"bias_sigma\": %.3g, \"p99_4x4\": %.5g, \"error_8x8\": %.5g, "
             "\"error_8x8_sigma\": %.3g, \"noise\": %.4g, \"noise_8x8\": %.4g, \"mean_cd_m2\": %.6g, \"ms\": %.4f, "
             "\"ms_per_megapixel\": %.2f, \"frames\": %u, \"rays_per_pixel\": %.5g, \"samples_per_pixel\": %.5g, "
-            "\"light_samples_per_pixel\": %.5g, \"reference_paths\": %g, \"invalid_pixels\": %u}\n",
+            "\"light_samples_per_pixel\": %.5g, \"reference_paths\": %g, \"invalid_pixels\": %u",
             m->scene, m->group, m->name, m->value, m->m.error, m->m.error_sigma, m->m.bias, m->m.bias_sigma, m->p99_4,
             m->m_8.error, m->m_8.error_sigma, m->m.noise, m->m_8.noise, m->m.mean, m->ms, m->ms_per_megapixel,
             m->frames, m->rays, m->samples, m->light_samples, m->paths, m->invalid);
+    if (m->error_limit >= 0.0) {
+        fprintf(file, ", \"error_against_limit\": %.5g", m->error_limit);
+    }
+    fprintf(file, "}\n");
     fflush(file);
 }

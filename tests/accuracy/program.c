@@ -31,9 +31,9 @@ static bool keep(program *p, const measurement *m) {
 }
 
 static void compare_one(program *p, const char *scene, const stage_camera *c, const method_row *row, double value,
-                        int32_t quality, const reference *r, picture *found) {
+                        int32_t quality, const reference *r, const picture *limit, picture *found) {
     measurement m;
-    if (!measure(&p->s, scene, c, row, value, quality, r, found, &m) || !keep(p, &m) ||
+    if (!measure(&p->s, scene, c, row, value, quality, r, limit, found, &m) || !keep(p, &m) ||
         (p->on_picture && !p->on_picture(p, &m, found, r))) {
         p->failed++;
         return;
@@ -74,6 +74,35 @@ static int enter(program *p, const scene_row *scene, bool blown, stage_camera *c
     return status;
 }
 
+static void run_methods(program *p, const scene_row *scene, const stage_camera *camera, bool blown, const reference *r,
+                        picture *found) {
+    const char *group = "";
+    const method_row *limit = NULL;
+    picture fine;
+    if (!p->method || !picture_init(&fine, found->width, found->height)) {
+        return;
+    }
+    for (const method_row *row = method_rows; row->group; row++) {
+        if ((row->motion == MOTION_WIND) != blown || !method_matches(row, p->method)) {
+            continue;
+        }
+        if (strcmp(group, row->group) != 0) {
+            measurement unused;
+            group = row->group;
+            limit = method_limit(group);
+            if (limit && !measure(&p->s, scene->name, camera, limit, limit->values[0], limit->quality, r, NULL, &fine,
+                                  &unused)) {
+                p->failed++;
+                limit = NULL;
+            }
+        }
+        for (uint32_t i = 0; i < row->count; i++) {
+            compare_one(p, scene->name, camera, row, row->values[i], row->quality, r, limit ? &fine : NULL, found);
+        }
+    }
+    picture_finish(&fine);
+}
+
 static void run_pass(program *p, const scene_row *scene, bool presets, bool blown) {
     reference r;
     picture found;
@@ -92,15 +121,9 @@ static void run_pass(program *p, const scene_row *scene, bool presets, bool blow
         return;
     }
     for (uint32_t i = 0; presets && i < p->preset_count; i++) {
-        compare_one(p, scene->name, &camera, NULL, p->presets[i], p->presets[i], &r, &found);
+        compare_one(p, scene->name, &camera, NULL, p->presets[i], p->presets[i], &r, NULL, &found);
     }
-    for (const method_row *row = method_rows; p->method && row->group; row++) {
-        for (uint32_t i = 0; i < row->count; i++) {
-            if ((row->motion == MOTION_WIND) == blown && method_matches(row, p->method)) {
-                compare_one(p, scene->name, &camera, row, row->values[i], row->quality, &r, &found);
-            }
-        }
-    }
+    run_methods(p, scene, &camera, blown, &r, &found);
     reference_finish(&r);
     picture_finish(&found);
 }
