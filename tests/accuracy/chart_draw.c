@@ -91,7 +91,9 @@ static void write_head(FILE *file, const chart *c, const char *title, chart_axis
              axis == BY_LIMIT ? "relative r.m.s. difference from the finest of the same"
              : c->p->by_pixel ? "relative r.m.s. error of luminance"
                               : "relative r.m.s. error of luminance, means over 8 x 8");
-    fprintf(file, "set title \"%s\" noenhanced\nset grid lc rgb \"#dddddd\"\nset key outside below horizontal\n",
+    fprintf(file,
+            "set title \"%s\" noenhanced\nset grid lt 1 lw 0.7 lc rgb \"#cccccc\"\nset key outside right top vertical "
+            "Left reverse samplen 2 spacing 1.3\n",
             title);
     write_axis(file, 'x', x, costs[axis]);
     write_axis(file, 'y', y, error);
@@ -101,8 +103,8 @@ static void write_head(FILE *file, const chart *c, const char *title, chart_axis
 static void write_plot(FILE *file, const program *p, const char *name, const char *plot) {
     for (int png = 0; png < 2; png++) {
         fprintf(file, "set terminal %s noenhanced\nset output \"%s/%s.%s\"\nplot %s\n",
-                png ? "pngcairo size 900,600 font \"Sans,11\""
-                    : "svg size 900,600 font \"Sans,13\" background \"white\"",
+                png ? "pngcairo size 900,500 font \"Sans,10\""
+                    : "svg size 1060,600 font \"Sans,13\" background \"white\"",
                 p->folder, name, png ? "png" : "svg", plot);
     }
 }

@@ -194,7 +194,7 @@ int main(int argc, char **argv) {
     char cache[1024];
     int command = -1, at = 2, status = 1;
     int32_t device = VELUM_DEVICE_AUTO;
-    program p = {.reference = {.error = 0.01, .seconds = 60.0, .width = 160, .height = 90}};
+    program p = {.reference = {.error = 0.01, .seconds = 60.0, .patience = 4.0, .width = 160, .height = 90}};
     p.reference.cache = default_cache(cache);
     for (int i = 0; i < 5 && argc > 1; i++) {
         command = strcmp(argv[1], commands[i]) == 0 ? i : command;

@@ -201,7 +201,7 @@ static const method_row limits[] = {
     {"growth", "limit", "of distance", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_growth, VALUES(0)},
     {"sun", "limit", "samples", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_sun_limit, VALUES(32)},
     {"integrators", "limit", "m in cloud", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_energy, VALUES(2.5)},
-    {"empty", "limit", "times those in cloud", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_empty, VALUES(0)},
+    {"empty", "limit", "times those in cloud", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_empty, VALUES(0)},
     {"exit", "limit", "transmittance", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_exit, VALUES(1e-6)},
     {"thin", "limit", "of mean density", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_thin, VALUES(0)},
 };

@@ -147,6 +147,7 @@ static bool visit(program *p, const scene_row *scene, bool blown) {
         return true;
     }
     double before = 0.0;
+    options.patience = 100.0;
     options.seconds = 1e30;
     bool enough = false;
     if (reference_load(&p->s, scene->name, &camera, wind_m_s, &options, &r)) {

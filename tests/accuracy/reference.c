@@ -10,7 +10,7 @@
 
 #include "metric.h"
 
-enum { KEY_MAX = 2048, LEAST_PATHS = 16, PATIENCE = 4 };
+enum { KEY_MAX = 2048, LEAST_PATHS = 8 };
 
 #define SAVE_MS 30000.0
 #define LOOK_MS 500.0
@@ -140,7 +140,8 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
         bool at_limit = options->paths > 0.0 && t->base.paths + t->paths >= options->paths;
         double seconds = 1e-3 * (now_ms - start_ms);
         /* A few paths do not tell their variance: the clock stops nothing before there are more. */
-        bool late = t->base.seconds + seconds >= (t->paths < LEAST_PATHS ? PATIENCE : 1) * options->seconds;
+        double left_s = options->seconds - t->base.seconds;
+        bool late = seconds >= (t->paths < LEAST_PATHS ? options->patience : 1.0) * left_s;
         if (result < 0 || (now_ms - looked_ms < LOOK_MS && !at_limit && !late)) {
             continue;
         }
@@ -177,7 +178,7 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
         stage_fail(s, "reference", result);
     } else if (out->parts == 0) {
         fprintf(stderr, "velum-accuracy: %s: %.0f paths a pixel in %.0f s are no reference; --seconds\n", name, t.paths,
-                PATIENCE * options->seconds);
+                options->patience * options->seconds);
     } else {
         status = STAGE_OK;
     }

@@ -10,6 +10,7 @@ typedef struct reference_options {
     double error;      /* enough when the noise of means over blocks of 8 x 8 pixels is below this... */
     double paths;      /* ... or a pixel has so many; 0: no such limit... */
     double seconds;    /* ... or all that has been done took so long */
+    double patience;   /* times that, for as long as there is nothing that could be kept */
     uint32_t width, height;
 } reference_options;
 
