@@ -19,13 +19,15 @@ static void write_overall(const program *p, FILE *file) {
         "| preset | error, 8 x 8 | error, pixels | bias, mean | bias, largest | 99 %% within, mean | ms a megapixel | "
         "samples a pixel | scenes |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for (int32_t q = VELUM_QUALITY_LOW; q <= VELUM_QUALITY_ULTRA; q++) {
-        double square_8 = 0.0, square = 0.0, bias = 0.0, largest = 0.0, within = 0.0, ms = 0.0, samples = 0.0;
+        double square_8 = 0.0, square = 0.0, bias = 0.0, largest = 0.0, within = 0.0, ms = 0.0, samples = 0.0,
+               noise = 0.0;
         uint32_t count = 0;
         for (const scene_row *row = scene_rows; row->name; row++) {
             const measurement *m = chart_preset(p, row->name, q);
             if (m) {
                 square_8 += m->m_8.error * m->m_8.error;
                 square += m->m.error * m->m.error;
+                noise = fmax(noise, m->m.noise);
                 bias += m->m.bias;
                 largest = fabs(m->m.bias) > fabs(largest) ? m->m.bias : largest;
                 within += m->p99_4;
@@ -35,9 +37,9 @@ static void write_overall(const program *p, FILE *file) {
             }
         }
         if (count > 0) {
-            fprintf(file, "| %s | %.3f | %.3f | %+.3f | %+.3f | %.2f | %.0f | %.1f | %u |\n", measure_preset(q),
-                    sqrt(square_8 / count), sqrt(square / count), bias / count, largest, within / count, ms / count,
-                    samples / count, count);
+            fprintf(file, "| %s | %.3f | %s%.3f | %+.3f | %+.3f | %.2f | %.0f | %.1f | %u |\n", measure_preset(q),
+                    sqrt(square_8 / count), noise > 0.1 ? "~" : "", sqrt(square / count), bias / count, largest,
+                    within / count, ms / count, samples / count, count);
         }
     }
 }
@@ -139,7 +141,9 @@ bool chart_write_page(const chart *c) {
     write_overall(p, file);
     fprintf(file, "\nScene by scene, error %s:\n\n", p->by_pixel ? "of pixels" : "of means over 8 x 8");
     write_scenes(p, file);
-    fprintf(file, "\nThe reference's noise: of means over 8 x 8, of pixels.\n");
+    fprintf(file,
+            "\nThe reference's noise: of means over 8 x 8, of pixels. ~: some reference's pixels are noisier than "
+            "10 %%, and divide by their noise: errors of pixels are then too large.\n");
     write_charts(c, file);
     fprintf(file,
             "\n## Published figures beside ours\n\nTheir works gave times on other machines and no errors: times are "
