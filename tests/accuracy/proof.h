@@ -17,7 +17,7 @@ typedef struct proof {
     int first, last;    /* rows of tables, from 1 */
     uint32_t suns;      /* of one round of the furnace */
     slab_rig rig;
-    uint32_t failures;
+    uint32_t failures, skipped;
 } proof;
 
 /* A mean of independent measurements, each counted by its paths. */

@@ -139,6 +139,7 @@ void proof_flux(void **state) {
     FILE *file = p->shared ? fopen(path, "r") : NULL;
     if (!file) {
         print_message("skipped: no %s; --shared DIR names the folder that has it\n", p->shared ? path : "tables");
+        p->skipped++;
         skip();
     }
     slab_rig_init(&p->rig);
