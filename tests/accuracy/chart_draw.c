@@ -167,7 +167,14 @@ static bool draw_group(const chart *c, const char *group, chart_axis axis) {
                                  "$curve%u using 1:2:3 with labels offset 0,0.8 font \",9\" tc rgb \"%s\" notitle, ",
                                  i, colour, names[i], i, colour);
     }
-    write_head(file, c, chart_title(group), axis, x, y);
+    const char *unit = "";
+    for (const method_row *row = method_rows; row->group && !*unit; row++) {
+        unit = strcmp(row->group, group) == 0 ? row->unit : "";
+    }
+    char title[256];
+    snprintf(title, sizeof title, "%s%s%s%s", chart_title(group), *unit ? " (at the points: " : "", unit,
+             *unit ? ")" : "");
+    write_head(file, c, title, axis, x, y);
     if (axis != BY_LIMIT) {
         fprintf(file, "$front << END\n");
         write_points(file, c, group, NULL, axis, true);
