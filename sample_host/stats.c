@@ -25,8 +25,28 @@ bool stats_open(struct stats *stats, const char *path) {
     return stats->file != NULL;
 }
 
-static json_t *plan_object(const velum_plan *plan) {
+/* A name, or the number of what this host does not know. */
+static json_t *named(const char *const *names, uint32_t count, uint32_t value) {
+    return value < count ? json_string(names[value]) : json_integer(value);
+}
+
+static json_t *flags_array(uint32_t flags) {
+    static const char *const names[] = {"step_through", "base_search", "light_all"};
+    json_t *array = json_array();
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        if (flags & 1u << bit) {
+            json_array_append_new(array, named(names, sizeof names / sizeof names[0], bit));
+        }
+    }
+    return array;
+}
+
+json_t *stats_plan(const velum_plan *plan) {
+    static const char *const integrators[] = {"energy", "before", "after", "trapezoid"};
+    static const char *const scatterings[] = {"closure", "octaves"};
+    static const char *const sun_depths[] = {"steps", "coarse", "fine", "map"};
     json_t *object = json_object();
+    json_object_set_new(object, "flags", flags_array(plan->flags));
     json_object_set_new(object, "active_layers", json_integer(plan->active_layers));
     json_object_set_new(object, "march_steps", json_integer(plan->march_steps));
     json_object_set_new(object, "light_steps", json_integer(plan->light_steps));
@@ -36,6 +56,12 @@ static json_t *plan_object(const velum_plan *plan) {
     json_object_set_new(object, "step_m", json_number((double)plan->step_m));
     json_object_set_new(object, "step_growth", json_number((double)plan->step_growth));
     json_object_set_new(object, "distance_m", json_number((double)plan->distance_m));
+    json_object_set_new(object, "integrator", named(integrators, 4, plan->integrator));
+    json_object_set_new(object, "scattering", named(scatterings, 2, plan->scattering));
+    json_object_set_new(object, "sun_depth", named(sun_depths, 4, plan->sun_depth));
+    json_object_set_new(object, "long_step", json_number((double)plan->long_step));
+    json_object_set_new(object, "thin_density", json_number((double)plan->thin_density));
+    json_object_set_new(object, "exit_transmittance", json_number((double)plan->exit_transmittance));
     return object;
 }
 
@@ -93,7 +119,7 @@ bool stats_write(struct stats *stats, struct renderer *renderer, uint64_t pictur
         json_object_set_new(object, "height", json_integer(channel->height));
         json_object_set_new(object, "wall_ms", json_number(wall_ms));
         set_view_stats(object, &view);
-        json_object_set_new(object, "plan", plan_object(&plan));
+        json_object_set_new(object, "plan", stats_plan(&plan));
         json_object_set_new(object, "reasons", reasons_array(reasons));
         if (!json_print(object, stats->file, JSON_COMPACT)) {
             report_error("%s: cannot write: %s", stats->path, strerror(errno));

@@ -4,6 +4,8 @@
 
 #include "renderer.h"
 
+#include <jansson.h>
+
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -18,5 +20,8 @@ bool stats_open(struct stats *stats, const char *path);
 bool stats_write(struct stats *stats, struct renderer *renderer, uint64_t picture, uint32_t settle, double time_s,
                  double wall_ms);
 bool stats_close(struct stats *stats);
+/* The plan of a line: every field by its name in engine.h, choices and flags by theirs. 0 in the last three is Velum's
+ * own value. The caller's. */
+json_t *stats_plan(const velum_plan *plan);
 
 #endif

@@ -1,6 +1,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,12 +13,15 @@ static int usage(int status) {
         "velum-accuracy list\n"
         "velum-accuracy run [--scene S]... [--preset P]... [--method M] [--json]\n"
         "velum-accuracy chart DIR [--scene S]... [--method M]\n"
+        "velum-accuracy reference [--scene S]... [--minutes N]   adds to what is in the cache, scene by scene, until\n"
+        "                  all are good enough; can be stopped at any time\n"
         "velum-accuracy stability [--scene CASE]...\n"
         "  --size WxH      of pictures (160x90)\n"
         "  --pixels        charts by the error of pixels; without it by that of means over 8 x 8, which the noise of\n"
         "                  a reference of seconds does not drown\n"
-        "  --error E       a reference stops at this noise of means over 8 x 8 pixels (0.01)...\n"
-        "  --seconds N     ... or after so long (60)\n"
+        "  --error E       a reference is good enough at this noise of means over 8 x 8 pixels (0.01)...\n"
+        "  --paths N       ... or at so many paths a pixel...\n"
+        "  --seconds N     ... or after so long (60), all that went into it; for `reference`: of one visit\n"
         "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
         "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
         "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
@@ -113,6 +117,14 @@ static bool parse_option(program *p, const char *name, const char *value, bool c
         p->reference.error = number;
         return true;
     }
+    if (strcmp(name, "--paths") == 0 && parse_number(value, 1.0, 1e9, &number)) {
+        p->reference.paths = number;
+        return true;
+    }
+    if (strcmp(name, "--minutes") == 0 && parse_number(value, 0.0, 1e6, &number)) {
+        p->minutes = number;
+        return true;
+    }
     if (strcmp(name, "--seconds") == 0 && parse_number(value, 0.0, 1e6, &number)) {
         p->reference.seconds = number;
         return true;
@@ -168,14 +180,23 @@ static int run_all(program *p) {
     return p->failed ? 1 : 0;
 }
 
+static void tell_time(void) {
+    struct rusage used;
+    if (getrusage(RUSAGE_SELF, &used) == 0) {
+        fprintf(stderr, "velum-accuracy: %.1f s of processor time\n",
+                (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                    1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec));
+    }
+}
+
 int main(int argc, char **argv) {
-    static const char *const commands[] = {"list", "run", "chart", "stability"};
+    static const char *const commands[] = {"list", "run", "chart", "stability", "reference"};
     char cache[1024];
     int command = -1, at = 2, status = 1;
     int32_t device = VELUM_DEVICE_AUTO;
-    program p = {.reference = {.error = 0.01, .seconds = 60.0, .width = 160, .height = 90}};
+    program p = {.reference = {.error = 0.01, .seconds = 60.0, .patience = 4.0, .width = 160, .height = 90}};
     p.reference.cache = default_cache(cache);
-    for (int i = 0; i < 4 && argc > 1; i++) {
+    for (int i = 0; i < 5 && argc > 1; i++) {
         command = strcmp(argv[1], commands[i]) == 0 ? i : command;
     }
     if (command < 0) {
@@ -205,10 +226,14 @@ int main(int argc, char **argv) {
     if (!stage_init(&p.s, device)) {
         return 1;
     }
-    status = command == 1 ? run_all(&p) : command == 2 ? chart_run(&p) : stability_run(&p);
+    status = command == 1   ? run_all(&p)
+             : command == 2 ? chart_run(&p)
+             : command == 3 ? stability_run(&p)
+                            : program_make_references(&p);
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);
     }
+    tell_time();
     stage_finish(&p.s);
     free(p.results);
     return status;

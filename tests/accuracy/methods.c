@@ -108,6 +108,11 @@ static void set_sun_all(velum_plan *plan, double value) {
     plan->flags = VELUM_PLAN_LIGHT_ALL;
 }
 
+static void set_sun_limit(velum_plan *plan, double value) {
+    set_sun_fine(plan, value);
+    plan->flags = VELUM_PLAN_LIGHT_ALL;
+}
+
 static void set_sun_map(velum_plan *plan, double value) {
     (void)value;
     alone(plan);
@@ -189,6 +194,26 @@ const method_row method_rows[] = {
     {"ladder", "Ford's ladder", "rung", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_ladder, VALUES(3, 4, 5, 6)},
     {NULL, NULL, NULL, 0, 0, MOTION_STILL, NULL, 0, {0}},
 };
+
+/* As fine as it goes, over more frames. */
+static const method_row limits[] = {
+    {"steps", "limit", "m", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_step_no_growth, VALUES(20)},
+    {"growth", "limit", "of distance", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_growth, VALUES(0)},
+    {"sun", "limit", "samples", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_sun_limit, VALUES(32)},
+    {"integrators", "limit", "m in cloud", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_energy, VALUES(2.5)},
+    {"empty", "limit", "times those in cloud", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_empty, VALUES(0)},
+    {"exit", "limit", "transmittance", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_exit, VALUES(1e-6)},
+    {"thin", "limit", "of mean density", VELUM_QUALITY_HIGH, 24, MOTION_STILL, set_thin, VALUES(0)},
+};
+
+const method_row *method_limit(const char *group) {
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+        if (strcmp(limits[i].group, group) == 0) {
+            return &limits[i];
+        }
+    }
+    return NULL;
+}
 
 int method_matches(const method_row *row, const char *text) {
     return !text || strcmp(text, "all") == 0 || strcmp(row->group, text) == 0 || strcmp(row->name, text) == 0;

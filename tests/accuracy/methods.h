@@ -28,6 +28,10 @@ typedef struct method_row {
 
 extern const method_row method_rows[]; /* ends with a null group */
 
+/* What a group's curves tend to: the error against its picture is that of what the rows change, alone. Null: nothing.
+ */
+const method_row *method_limit(const char *group);
+
 /* By group, or by name. */
 int method_matches(const method_row *row, const char *text);
 

@@ -46,7 +46,7 @@ bool metric_compute(const float *picture, const float *reference, const float *v
     }
     out->mean = sum_reference / out->pixels;
     out->bias = sum_picture / sum_reference - 1.0;
-    double squares = 0.0, noise = 0.0;
+    double squares = 0.0, noise = 0.0, unsure = 0.0, spread = 0.0;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (!is_valid(picture[i], reference[i])) {
@@ -54,15 +54,19 @@ bool metric_compute(const float *picture, const float *reference, const float *v
         }
         double d = fmax((double)reference[i], 0.01 * out->mean);
         double e = ((double)picture[i] - (double)reference[i]) / d;
+        double v = variance && isfinite(variance[i]) ? fmax((double)variance[i], 0.0) / (d * d) : 0.0;
         squares += e * e;
+        noise += v;
+        unsure += 4.0 * fmax(e * e - v, 0.0) * v + 2.0 * v * v;
+        spread += v * d * d;
         relative[kept++] = fabs(e);
-        if (variance && isfinite(variance[i])) {
-            noise += fmax((double)variance[i], 0.0) / (d * d);
-        }
     }
-    out->error = sqrt(squares / out->pixels);
+    double square = fmax(squares - noise, 0.0) / out->pixels;
+    out->error_raw = sqrt(squares / out->pixels);
     out->noise = sqrt(noise / out->pixels);
-    out->error_corrected = sqrt(fmax(squares - noise, 0.0) / out->pixels);
+    out->error = sqrt(square);
+    out->error_sigma = sqrt(square + sqrt(unsure) / out->pixels) - out->error;
+    out->bias_sigma = sqrt(spread) / sum_reference;
     out->p99 = percentile_99(relative, kept);
 done:
     free(relative);
@@ -91,4 +95,78 @@ uint32_t metric_blocks(const float *picture, const float *variance, uint32_t wid
         }
     }
     return count;
+}
+
+/* Sums of valid pixels over the 3 x 3 about (x, y). */
+typedef struct neighbourhood {
+    double picture, reference, variance;
+    uint32_t count;
+} neighbourhood;
+
+static neighbourhood about(const float *picture, const float *reference, const float *variance, uint32_t width,
+                           uint32_t height, uint32_t x, uint32_t y) {
+    neighbourhood n = {.count = 0};
+    for (uint32_t v = y > 0 ? y - 1 : 0; v < height && v <= y + 1; v++) {
+        for (uint32_t u = x > 0 ? x - 1 : 0; u < width && u <= x + 1; u++) {
+            uint32_t i = v * width + u;
+            if (is_valid(picture[i], reference[i])) {
+                n.picture += (double)picture[i];
+                n.reference += (double)reference[i];
+                n.variance += variance && isfinite(variance[i]) ? fmax((double)variance[i], 0.0) : 0.0;
+                n.count++;
+            }
+        }
+    }
+    return n;
+}
+
+void metric_difference(const float *picture, const float *reference, const float *variance, uint32_t width,
+                       uint32_t height, float *out) {
+    double sum = 0.0;
+    uint32_t valid = 0;
+    for (uint32_t i = 0; i < width * height; i++) {
+        if (is_valid(picture[i], reference[i])) {
+            sum += (double)reference[i];
+            valid++;
+        }
+    }
+    double floor_of_d = valid ? 0.01 * sum / valid : 0.0;
+    for (uint32_t i = 0; i < width * height; i++) {
+        if (!is_valid(picture[i], reference[i])) {
+            out[i] = NAN;
+            continue;
+        }
+        neighbourhood n = about(picture, reference, variance, width, height, i % width, i / width);
+        double d = fmax(fmax(n.reference / n.count, floor_of_d), 1e-30);
+        double e = (n.picture - n.reference) / n.count / d;
+        double v = n.variance / n.count / n.count / (d * d);
+        out[i] = (float)copysign(sqrt(fmax(e * e - v, 0.0)), e);
+    }
+}
+
+bool metric_noise(const float *reference, const float *variance, uint32_t width, uint32_t height, double *out_noise,
+                  double *out_noise_8) {
+    uint32_t count = width * height;
+    uint32_t blocks = ((width + 7) / 8) * ((height + 7) / 8);
+    float *mean = calloc(2u * blocks + 1u, sizeof *mean);
+    double sum = 0.0, noise = 0.0, noise_8 = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        sum += isfinite(reference[i]) ? (double)reference[i] / count : 0.0;
+    }
+    bool ok = mean && sum > 0.0;
+    for (uint32_t i = 0; i < count && ok; i++) {
+        double d = fmax((double)reference[i], 0.01 * sum);
+        noise += (double)variance[i] / (d * d) / count;
+    }
+    if (ok) {
+        metric_blocks(reference, variance, width, height, 8, mean, mean + blocks);
+    }
+    for (uint32_t i = 0; i < blocks && ok; i++) {
+        double d = fmax((double)mean[i], 0.01 * sum);
+        noise_8 += (double)mean[blocks + i] / (d * d) / blocks;
+    }
+    free(mean);
+    *out_noise = ok ? sqrt(noise) : (double)INFINITY;
+    *out_noise_8 = ok ? sqrt(noise_8) : (double)INFINITY;
+    return ok;
 }

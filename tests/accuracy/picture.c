@@ -40,6 +40,24 @@ void picture_update_luminance(picture *p) {
     }
 }
 
+static void mix(float *into, const float *other, size_t count, double share) {
+    for (size_t i = 0; i < count; i++) {
+        into[i] = (float)((1.0 - share) * (double)into[i] + share * (double)other[i]);
+    }
+}
+
+void picture_merge(picture *into, double paths, const picture *other, double more) {
+    double share = more / (paths + more);
+    mix(into->rgb, other->rgb, 3 * (size_t)into->count, share);
+    mix(into->transmittance, other->transmittance, 3 * (size_t)into->count, share);
+    mix(into->distance, other->distance, into->count, share);
+    for (uint32_t i = 0; i < into->count; i++) {
+        into->variance[i] = (float)((1.0 - share) * (1.0 - share) * (double)into->variance[i] +
+                                    share * share * (double)other->variance[i]);
+    }
+    picture_update_luminance(into);
+}
+
 uint32_t picture_invalid(const picture *p) {
     uint32_t invalid = 0;
     for (uint32_t i = 0; i < p->count; i++) {
@@ -75,44 +93,70 @@ static uint8_t byte_of(double value) {
     return (uint8_t)lround(255.0 * fmin(fmax(value, 0.0), 1.0));
 }
 
-bool picture_write_png(const picture *p, double exposure_m2_cd, const char *path) {
-    uint8_t *bytes = malloc((size_t)p->count * 3 + 1);
-    if (!bytes) {
+bool sheet_init(sheet *s, uint32_t width, uint32_t height) {
+    *s = (sheet){.width = width, .height = height, .bytes = malloc((size_t)width * height * 3)};
+    if (!s->bytes) {
+        fprintf(stderr, "velum-accuracy: out of memory\n");
         return false;
     }
+    memset(s->bytes, 255, (size_t)width * height * 3);
+    return true;
+}
+
+void sheet_finish(sheet *s) {
+    free(s->bytes);
+    *s = (sheet){0};
+}
+
+static uint8_t *sheet_at(sheet *s, uint32_t x, uint32_t y, const picture *p, uint32_t i) {
+    return &s->bytes[3 * ((size_t)(y + i / p->width) * s->width + x + i % p->width)];
+}
+
+void sheet_put_picture(sheet *s, uint32_t x, uint32_t y, const picture *p, double exposure_m2_cd) {
     for (uint32_t i = 0; i < p->count; i++) {
+        uint8_t *at = sheet_at(s, x, y, p, i);
         float rgb[3];
         for (int c = 0; c < 3; c++) {
             float value = p->rgb[3 * i + (uint32_t)c];
             rgb[c] = isfinite(value) ? value * (float)exposure_m2_cd : 0.0f;
         }
         for (int c = 0; c < 3; c++) {
-            bytes[3 * i + (uint32_t)c] = byte_of((double)tone_map(rgb[0], rgb[1], rgb[2], c));
+            at[c] = byte_of((double)tone_map(rgb[0], rgb[1], rgb[2], c));
         }
     }
-    bool ok = png_write(path, p->width, p->height, 3, bytes);
-    free(bytes);
-    return ok;
 }
 
-bool picture_write_difference_png(const picture *p, const picture *reference, double range, const char *path) {
-    uint8_t *bytes = malloc((size_t)p->count * 3 + 1);
-    if (!bytes) {
+bool sheet_put_difference(sheet *s, uint32_t x, uint32_t y, const picture *p, const picture *reference, double range) {
+    float *difference = malloc((p->count + 1u) * sizeof *difference);
+    if (!difference) {
         return false;
     }
+    metric_difference(p->luminance, reference->luminance, reference->variance, p->width, p->height, difference);
+    for (uint32_t i = 0; i < p->count; i++) {
+        uint8_t *at = sheet_at(s, x, y, p, i);
+        double e = round(16.0 * fmin(fmax((double)difference[i] / range, -1.0), 1.0)) / 16.0;
+        double fade = 1.0 - fabs(e);
+        at[0] = byte_of(e > 0.0 ? 1.0 : fade);
+        at[1] = byte_of(fade);
+        at[2] = byte_of(e < 0.0 ? 1.0 : fade);
+    }
+    free(difference);
+    return true;
+}
+
+void sheet_put_noise(sheet *s, uint32_t x, uint32_t y, const picture *reference, double range) {
     double mean = 0.0;
-    for (uint32_t i = 0; i < p->count; i++) {
-        mean += (double)reference->luminance[i] / p->count;
+    for (uint32_t i = 0; i < reference->count; i++) {
+        mean += (double)reference->luminance[i] / reference->count;
     }
-    for (uint32_t i = 0; i < p->count; i++) {
-        double r = (double)reference->luminance[i];
-        double e = ((double)p->luminance[i] - r) / fmax(fmax(r, 0.01 * mean), 1e-30) / range;
-        double fade = 1.0 - fmin(fabs(e), 1.0);
-        bytes[3 * i] = byte_of(e > 0.0 ? 1.0 : fade);
-        bytes[3 * i + 1] = byte_of(fade);
-        bytes[3 * i + 2] = byte_of(e < 0.0 ? 1.0 : fade);
+    for (uint32_t i = 0; i < reference->count; i++) {
+        uint8_t *at = sheet_at(s, x, y, reference, i);
+        double d = fmax(fmax((double)reference->luminance[i], 0.01 * mean), 1e-30);
+        double noise = sqrt(fmax((double)reference->variance[i], 0.0)) / d;
+        at[0] = at[1] = at[2] = byte_of(1.0 - round(16.0 * fmin(noise / range, 1.0)) / 16.0);
     }
-    bool ok = png_write(path, p->width, p->height, 3, bytes);
-    free(bytes);
-    return ok;
+}
+
+bool sheet_write(const sheet *s, const char *path) {
+    return png_write(path, s->width, s->height, 3, s->bytes);
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 double program_error(const program *p, const measurement *m) {
-    return p->by_pixel ? m->m.error_corrected : m->m_8.error_corrected;
+    return p->by_pixel ? m->m.error : m->m_8.error;
 }
 
 bool program_wants(const program *p, const scene_row *scene) {
@@ -31,9 +31,9 @@ static bool keep(program *p, const measurement *m) {
 }
 
 static void compare_one(program *p, const char *scene, const stage_camera *c, const method_row *row, double value,
-                        int32_t quality, const reference *r, picture *found) {
+                        int32_t quality, const reference *r, const picture *limit, picture *found) {
     measurement m;
-    if (!measure(&p->s, scene, c, row, value, quality, r, found, &m) || !keep(p, &m) ||
+    if (!measure(&p->s, scene, c, row, value, quality, r, limit, found, &m) || !keep(p, &m) ||
         (p->on_picture && !p->on_picture(p, &m, found, r))) {
         p->failed++;
         return;
@@ -61,38 +61,70 @@ static bool any_row(const program *p, bool blown) {
     return false;
 }
 
-/* With the scene's own wind, or with the motion's more. */
+/* With the scene's own wind, or with the motion's more. STAGE_*. */
+static int enter(program *p, const scene_row *scene, bool blown, stage_camera *camera) {
+    stage_renew(&p->s);
+    int status = stage_load(&p->s, scene, blown ? measure_wind(MOTION_WIND) : 0.0f);
+    if (status == STAGE_OK) {
+        stage_camera_init(&p->s, p->reference.width, p->reference.height, camera);
+        status = stage_prepare(&p->s, camera, p->reference.width, 0.0) ? STAGE_OK : STAGE_FAILED;
+    }
+    if (status != STAGE_OK) {
+        *(status == STAGE_SKIPPED ? &p->skipped : &p->failed) += 1;
+    }
+    return status;
+}
+
+static void run_methods(program *p, const scene_row *scene, const stage_camera *camera, bool blown, const reference *r,
+                        picture *found) {
+    const char *group = "";
+    const method_row *limit = NULL;
+    picture fine;
+    if (!p->method || !picture_init(&fine, found->width, found->height)) {
+        return;
+    }
+    for (const method_row *row = method_rows; row->group; row++) {
+        if ((row->motion == MOTION_WIND) != blown || !method_matches(row, p->method)) {
+            continue;
+        }
+        if (strcmp(group, row->group) != 0) {
+            measurement unused;
+            group = row->group;
+            limit = method_limit(group);
+            if (limit && !measure(&p->s, scene->name, camera, limit, limit->values[0], limit->quality, r, NULL, &fine,
+                                  &unused)) {
+                p->failed++;
+                limit = NULL;
+            }
+        }
+        for (uint32_t i = 0; i < row->count; i++) {
+            compare_one(p, scene->name, camera, row, row->values[i], row->quality, r, limit ? &fine : NULL, found);
+        }
+    }
+    picture_finish(&fine);
+}
+
 static void run_pass(program *p, const scene_row *scene, bool presets, bool blown) {
     reference r;
     picture found;
     stage_camera camera;
-    const float wind_m_s = blown ? measure_wind(MOTION_WIND) : 0.0f;
-    int status = stage_load(&p->s, scene, wind_m_s);
-    if (status != STAGE_OK) {
-        *(status == STAGE_SKIPPED ? &p->skipped : &p->failed) += 1;
+    if (enter(p, scene, blown, &camera) != STAGE_OK) {
         return;
     }
-    stage_camera_init(&p->s, p->reference.width, p->reference.height, &camera);
-    if (!stage_prepare(&p->s, &camera, p->reference.width, 0.0) || !stage_cast_shadow(&p->s, &camera) ||
-        !picture_init(&found, p->reference.width, p->reference.height)) {
+    if (!stage_cast_shadow(&p->s, &camera) || !picture_init(&found, p->reference.width, p->reference.height)) {
         p->failed++;
         return;
     }
-    if (reference_get(&p->s, scene->name, &camera, wind_m_s, &p->reference, &r) != STAGE_OK) {
+    if (reference_get(&p->s, scene->name, &camera, blown ? measure_wind(MOTION_WIND) : 0.0f, &p->reference, &r) !=
+        STAGE_OK) {
         p->failed++;
         picture_finish(&found);
         return;
     }
     for (uint32_t i = 0; presets && i < p->preset_count; i++) {
-        compare_one(p, scene->name, &camera, NULL, p->presets[i], p->presets[i], &r, &found);
+        compare_one(p, scene->name, &camera, NULL, p->presets[i], p->presets[i], &r, NULL, &found);
     }
-    for (const method_row *row = method_rows; p->method && row->group; row++) {
-        for (uint32_t i = 0; i < row->count; i++) {
-            if ((row->motion == MOTION_WIND) == blown && method_matches(row, p->method)) {
-                compare_one(p, scene->name, &camera, row, row->values[i], row->quality, &r, &found);
-            }
-        }
-    }
+    run_methods(p, scene, &camera, blown, &r, &found);
     reference_finish(&r);
     picture_finish(&found);
 }
@@ -104,4 +136,59 @@ void program_run_scene(program *p, const scene_row *scene, bool presets) {
     if (any_row(p, true)) {
         run_pass(p, scene, false, true);
     }
+}
+
+/* True: good enough, or never to be. */
+static bool visit(program *p, const scene_row *scene, bool blown) {
+    stage_camera camera;
+    reference r;
+    const float wind_m_s = blown ? measure_wind(MOTION_WIND) : 0.0f;
+    reference_options options = p->reference;
+    if (enter(p, scene, blown, &camera) != STAGE_OK) {
+        return true;
+    }
+    double before = 0.0;
+    options.patience = 10.0;
+    options.seconds = 1e30;
+    bool enough = false;
+    if (reference_load(&p->s, scene->name, &camera, wind_m_s, &options, &r)) {
+        enough = reference_is_enough(&r, &options);
+        before = r.seconds;
+        if (!enough) {
+            reference_finish(&r);
+        }
+    }
+    options.seconds = before + p->reference.seconds;
+    if (!enough && reference_get(&p->s, scene->name, &camera, wind_m_s, &options, &r) != STAGE_OK) {
+        p->failed++;
+        return true;
+    }
+    options.seconds = 1e30;
+    bool done = reference_is_enough(&r, &options);
+    printf("%-22s%s %7.0f s %7.0f paths in %2u parts, noise %.4f, of means over 8 x 8 %.4f%s\n", scene->name,
+           blown ? " blown" : "      ", r.seconds, r.paths, r.parts, r.noise, r.noise_8, done ? ", done" : "");
+    fflush(stdout);
+    done = done || r.seconds <= before; /* nothing could be added */
+    reference_finish(&r);
+    return done;
+}
+
+int program_make_references(program *p) {
+    enum { SCENES_MAX = 64 };
+    bool done[SCENES_MAX][2] = {{false}};
+    double start_ms = stage_now_ms();
+    for (bool left = true; left;) {
+        left = false;
+        for (uint32_t i = 0; i < SCENES_MAX && scene_rows[i].name; i++) {
+            const scene_row *scene = &scene_rows[i];
+            for (int blown = 0; blown < (scene->sweep ? 2 : 1) && program_wants(p, scene); blown++) {
+                if (p->minutes > 0.0 && stage_now_ms() - start_ms > 6e4 * p->minutes) {
+                    return p->failed ? 1 : 0;
+                }
+                done[i][blown] = done[i][blown] || visit(p, scene, blown != 0);
+                left = left || !done[i][blown];
+            }
+        }
+    }
+    return p->failed ? 1 : 0;
 }

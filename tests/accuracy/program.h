@@ -25,13 +25,17 @@ struct program {
     measurement *results;
     uint32_t result_count, result_capacity;
     uint32_t skipped, failed;
+    double minutes; /* for `reference`; 0: until all are good enough */
 };
 
-/* The error that is charted, noise of the reference subtracted. */
+/* The error that is charted. */
 double program_error(const program *p, const measurement *m);
 bool program_wants(const program *p, const scene_row *scene);
 /* Presets (if `presets`) and methods that match p->method on one scene; into p->results. */
 void program_run_scene(program *p, const scene_row *scene, bool presets);
+
+/* Goes round the scenes, and adds paths to each reference that is not good enough yet. */
+int program_make_references(program *p);
 
 /* chart.c: measures all presets on all scenes and all methods on those marked for it; SVG, PNG, tables, a page. */
 int chart_run(program *p);

@@ -10,36 +10,31 @@
 
 #include "metric.h"
 
-enum { KEY_MAX = 2048, STAND_IN_FRAMES = 16, LEAST_PATHS = 16, PATIENCE = 4 };
+enum { KEY_MAX = 2048, LEAST_PATHS = 8 };
+
+#define SAVE_MS 30000.0
+#define LOOK_MS 500.0
+/* Of the time of a part, by which it has random numbers of its own: nothing moves in it. */
+#define PART_S 1e-6
 
 static void make_key(const stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                      const reference_options *options, char key[KEY_MAX]) {
     uint64_t camera = stage_hash(0, c, sizeof *c);
     snprintf(key, KEY_MAX,
-             "velum-accuracy reference 2\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nplugin %016llx\n"
+             "velum-accuracy reference 3\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nrevision %016llx\n"
              "device %s\n",
              name, (unsigned long long)s->scenario_hash, (unsigned long long)camera, (double)wind_east_m_s,
-             options->width, options->height, (unsigned long long)s->plugin_hash, s->device_name);
+             options->width, options->height, (unsigned long long)s->revision, s->device_name);
 }
 
 static void make_path(const char *name, const char *key, const char *cache, char path[1024]) {
     snprintf(path, 1024, "%s/%s-%016llx.ref", cache, name, (unsigned long long)stage_hash(0, key, strlen(key)));
 }
 
-/* Noise of 8 x 8 means from the variance of pixels, which are independent. */
-void reference_noise(const picture *p, double *out_noise, double *out_noise_8) {
-    metric m;
-    *out_noise = *out_noise_8 = INFINITY;
-    uint32_t blocks = ((p->width + 7) / 8) * ((p->height + 7) / 8);
-    float *mean = calloc(2u * blocks, sizeof *mean);
-    if (mean && metric_compute(p->luminance, p->luminance, p->variance, p->count, &m)) {
-        *out_noise = m.noise;
-        metric_blocks(p->luminance, p->variance, p->width, p->height, 8, mean, mean + blocks);
-        if (metric_compute(mean, mean, mean + blocks, blocks, &m)) {
-            *out_noise_8 = m.noise;
-        }
-    }
-    free(mean);
+static void look(reference *r) {
+    picture_update_luminance(&r->picture);
+    metric_noise(r->picture.luminance, r->picture.variance, r->picture.width, r->picture.height, &r->noise,
+                 &r->noise_8);
 }
 
 static bool move(FILE *file, bool out, void *data, size_t size) {
@@ -49,15 +44,14 @@ static bool move(FILE *file, bool out, void *data, size_t size) {
 /* The same for reading and writing. */
 static bool move_body(FILE *file, bool out, reference *r) {
     picture *p = &r->picture;
-    double figures[5] = {r->seconds, r->paths, r->frames, r->stand_in ? 1.0 : 0.0, p->count};
+    double figures[4] = {r->seconds, r->paths, r->parts, p->count};
     size_t floats = p->count * sizeof(float);
-    bool ok = move(file, out, figures, sizeof figures) && figures[4] == (double)p->count &&
+    bool ok = move(file, out, figures, sizeof figures) && figures[3] == (double)p->count &&
               move(file, out, p->rgb, 3 * floats) && move(file, out, p->transmittance, 3 * floats) &&
               move(file, out, p->distance, floats) && move(file, out, p->variance, floats);
     r->seconds = figures[0];
     r->paths = figures[1];
-    r->frames = (uint32_t)figures[2];
-    r->stand_in = figures[3] != 0.0;
+    r->parts = (uint32_t)figures[2];
     return ok;
 }
 
@@ -71,9 +65,10 @@ static bool load(const char *path, const char *key, reference *r) {
         fclose(file);
     }
     if (ok) {
-        picture_update_luminance(&r->picture);
-        reference_noise(&r->picture, &r->noise, &r->noise_8);
-        r->cached = true;
+        look(r);
+    } else {
+        r->seconds = r->paths = 0.0;
+        r->parts = 0;
     }
     return ok;
 }
@@ -93,91 +88,135 @@ static void save(const char *cache, const char *path, const char *key, reference
     }
 }
 
-static bool refine(stage *s, stage_view *v) {
-    velum_plan plan = {.struct_size = sizeof plan};
-    const char *reasons = NULL;
-    velum_result result = s->host.engine->get_plan(v->eye, &plan, &reasons);
-    if (result >= 0) {
-        plan.march_steps = 4096;
-        plan.light_steps = 32;
-        plan.step_m = 10.0f;
-        plan.step_growth = 0.002f;
-        plan.ray_rate = 1;
-        result = s->host.engine->set_plan(v->eye, &plan);
-    }
-    if (result < 0) {
-        stage_fail(s, "plan", result);
-    }
-    return result >= 0;
+static void copy_picture(picture *to, const picture *from) {
+    memcpy(to->rgb, from->rgb, 3 * sizeof(float) * from->count);
+    memcpy(to->transmittance, from->transmittance, 3 * sizeof(float) * from->count);
+    memcpy(to->distance, from->distance, sizeof(float) * from->count);
+    memcpy(to->variance, from->variance, sizeof(float) * from->count);
 }
 
-static int render(stage *s, const char *name, const stage_camera *c, const reference_options *options, reference *r) {
-    stage_view v;
-    velum_result result = stage_view_init(s, &v, VELUM_QUALITY_REFERENCE, options->width, options->height);
-    if (result == VELUM_ERROR_UNSUPPORTED) {
-        r->stand_in = true;
-        result = stage_view_init(s, &v, VELUM_QUALITY_ULTRA, options->width, options->height);
+bool reference_is_enough(const reference *r, const reference_options *options) {
+    return r->paths >= LEAST_PATHS && (r->noise_8 <= options->error || r->seconds >= 0.99 * options->seconds ||
+                                       (options->paths > 0.0 && r->paths >= options->paths));
+}
+
+/* Where one part stands: before it, `base`; itself, `now`; both, `out`. */
+typedef struct part {
+    reference base;
+    picture now;
+    double paths;
+} part;
+
+static void gather(const part *t, double seconds, reference *out) {
+    copy_picture(&out->picture, t->base.parts > 0 ? &t->base.picture : &t->now);
+    if (t->base.parts > 0) {
+        picture_merge(&out->picture, t->base.paths, &t->now, t->paths);
     }
-    double start_ms = stage_now_ms(), told_ms = start_ms;
-    bool done = false;
-    for (r->frames = 0; result >= 0 && !done; r->frames++) {
-        stage_cost cost;
-        result = stage_draw(s, &v, c, 0.0, r->frames == 0 ? VELUM_VIEW_CUT : 0, &r->picture, &cost);
-        if (result >= 0 && r->stand_in && r->frames == 0 && !refine(s, &v)) {
-            stage_view_finish(&v, s);
-            return STAGE_FAILED;
-        }
-        r->seconds = 1e-3 * (stage_now_ms() - start_ms);
-        reference_noise(&r->picture, &r->noise, &r->noise_8);
+    out->paths = t->base.paths + t->paths;
+    out->parts = t->base.parts + 1;
+    out->seconds = t->base.seconds + seconds;
+    look(out);
+}
+
+static void tell(const char *name, const reference *r, bool done) {
+    if (isatty(STDERR_FILENO)) {
+        fprintf(stderr, "\r%-22s reference: %5.1f s, %.0f paths, noise %.4f, of blocks %.4f%s", name, r->seconds,
+                r->paths, r->noise, r->noise_8, done ? "\n" : "");
+    }
+}
+
+static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name, const stage_camera *c,
+                              const reference_options *options, const char *path, const char *key, reference *out) {
+    double start_ms = stage_now_ms(), looked_ms = start_ms, saved_ms = start_ms;
+    uint32_t flags = VELUM_VIEW_CUT;
+    velum_result result = VELUM_OK;
+    for (bool done = false; !done && result >= 0; flags = 0) {
         velum_view_stats stats = {.struct_size = sizeof stats};
-        if (s->host.engine->get_stats(v.view, &stats) == VELUM_OK) {
-            r->paths = (double)stats.paths_per_pixel;
+        result = stage_draw(s, v, c, PART_S * t->base.parts, flags, &t->now, NULL);
+        if (result >= 0 && s->host.engine->get_stats(v->view, &stats) == VELUM_OK) {
+            t->paths = (double)stats.paths_per_pixel;
         }
-        /* A slice may not reach all pixels, and a few paths do not tell their variance. */
-        if (r->stand_in) {
-            done = r->frames + 1 >= STAND_IN_FRAMES;
-        } else if (r->paths >= LEAST_PATHS) {
-            done = r->noise_8 <= options->error || r->seconds >= options->seconds;
-        } else {
-            done = r->seconds >= PATIENCE * options->seconds;
+        double now_ms = stage_now_ms();
+        bool at_limit = options->paths > 0.0 && t->base.paths + t->paths >= options->paths;
+        double seconds = 1e-3 * (now_ms - start_ms);
+        /* A few paths do not tell their variance: the clock stops nothing before there are more. */
+        double left_s = options->seconds - t->base.seconds;
+        bool late = seconds >= (t->paths < LEAST_PATHS ? options->patience : 1.0) * left_s;
+        if (result < 0 || (now_ms - looked_ms < LOOK_MS && !at_limit && !late)) {
+            continue;
         }
-        if (isatty(STDERR_FILENO) && (done || stage_now_ms() - told_ms > 500.0)) {
-            told_ms = stage_now_ms();
-            fprintf(stderr, "\r%-22s reference: %5.1f s, %.0f paths, noise %.4f, of blocks %.4f%s", name, r->seconds,
-                    r->paths, r->noise, r->noise_8, done ? "\n" : "");
+        looked_ms = now_ms;
+        if (t->paths >= LEAST_PATHS) {
+            gather(t, seconds, out);
         }
+        done = late || (t->paths >= LEAST_PATHS && reference_is_enough(out, options));
+        if (t->paths >= LEAST_PATHS && (done || now_ms - saved_ms > SAVE_MS)) {
+            saved_ms = now_ms;
+            save(options->cache, path, key, out);
+        }
+        tell(name, out, done);
     }
-    bool starved = !r->stand_in && r->paths < 2.0;
+    return result;
+}
+
+static int render(stage *s, const char *name, const stage_camera *c, const reference_options *options, const char *path,
+                  const char *key, reference *out) {
+    stage_view v = {0};
+    part t = {.base = *out};
+    int status = STAGE_FAILED;
+    t.base.picture = (picture){0};
+    velum_result result = VELUM_ERROR_OUT_OF_MEMORY;
+    if (picture_init(&t.base.picture, options->width, options->height) &&
+        picture_init(&t.now, options->width, options->height)) {
+        copy_picture(&t.base.picture, &out->picture);
+        result = stage_view_init(s, &v, VELUM_QUALITY_REFERENCE, options->width, options->height);
+    }
+    if (result >= 0) {
+        result = add_paths(s, &t, &v, name, c, options, path, key, out);
+    }
     if (result < 0) {
         stage_fail(s, "reference", result);
-    } else if (starved) {
-        fprintf(stderr, "velum-accuracy: %s: %.0f paths a pixel in %.0f s are no reference; --seconds\n", name,
-                r->paths, r->seconds);
+    } else if (out->parts == 0) {
+        fprintf(stderr, "velum-accuracy: %s: %.0f paths a pixel in %.0f s are no reference; --seconds\n", name, t.paths,
+                options->patience * options->seconds);
+    } else {
+        status = STAGE_OK;
     }
     stage_view_finish(&v, s);
-    return result < 0 || starved ? STAGE_FAILED : STAGE_OK;
+    picture_finish(&t.now);
+    picture_finish(&t.base.picture);
+    return status;
+}
+
+bool reference_load(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
+                    const reference_options *options, reference *out) {
+    char key[KEY_MAX], path[1024];
+    *out = (reference){.parts = 0};
+    if (!picture_init(&out->picture, options->width, options->height)) {
+        return false;
+    }
+    make_key(s, name, c, wind_east_m_s, options, key);
+    make_path(name, key, options->cache, path);
+    if (!load(path, key, out)) {
+        reference_finish(out);
+    }
+    return out->parts > 0;
 }
 
 int reference_get(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                   const reference_options *options, reference *out) {
     char key[KEY_MAX], path[1024];
-    *out = (reference){.frames = 0};
+    *out = (reference){.parts = 0};
     if (!picture_init(&out->picture, options->width, options->height)) {
         return STAGE_FAILED;
     }
     make_key(s, name, c, wind_east_m_s, options, key);
     make_path(name, key, options->cache, path);
-    if (load(path, key, out)) {
-        if (out->stand_in || out->noise_8 <= options->error || out->seconds >= 0.99 * options->seconds) {
-            return STAGE_OK;
-        }
-        out->cached = false;
+    if (load(path, key, out) && reference_is_enough(out, options)) {
+        return STAGE_OK;
     }
-    out->stand_in = false;
-    int status = render(s, name, c, options, out);
-    if (status == STAGE_OK) {
-        save(options->cache, path, key, out);
-    } else {
+    int status = render(s, name, c, options, path, key, out);
+    if (status != STAGE_OK) {
         reference_finish(out);
     }
     return status;
@@ -185,5 +224,5 @@ int reference_get(stage *s, const char *name, const stage_camera *c, float wind_
 
 void reference_finish(reference *r) {
     picture_finish(&r->picture);
-    *r = (reference){.frames = 0};
+    *r = (reference){.parts = 0};
 }

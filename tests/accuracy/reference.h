@@ -1,4 +1,5 @@
-/* References: made once with VELUM_QUALITY_REFERENCE, kept in files under a key of everything that they depend on. */
+/* References: made with VELUM_QUALITY_REFERENCE, kept in files under a key of everything that they depend on, and
+ * continued from there: what is added has random numbers of its own, and counts by its paths. */
 #ifndef ACCURACY_REFERENCE_H
 #define ACCURACY_REFERENCE_H
 
@@ -6,26 +7,29 @@
 
 typedef struct reference_options {
     const char *cache; /* folder */
-    double error;      /* stop when the noise of means over blocks of 8 x 8 pixels is below this... */
-    double seconds;    /* ... or after so long */
+    double error;      /* enough when the noise of means over blocks of 8 x 8 pixels is below this... */
+    double paths;      /* ... or a pixel has so many; 0: no such limit... */
+    double seconds;    /* ... or all that has been done took so long */
+    double patience;   /* times that, for as long as there is nothing that could be kept */
     uint32_t width, height;
 } reference_options;
 
 typedef struct reference {
     picture picture;
     double noise, noise_8; /* relative: of pixels, of means over blocks of 8 x 8 */
-    double seconds;        /* that it took */
-    double paths;          /* a pixel */
-    uint32_t frames;
-    bool stand_in; /* the plugin has no reference: long settled steps of the best preset instead */
-    bool cached;
+    double seconds;        /* that all of it took */
+    double paths;          /* a pixel, at least */
+    uint32_t parts;        /* that were made apart */
 } reference;
 
-/* Of the stage's scenario. name: of the scene; wind: part of the key. STAGE_*. */
+/* Of the stage's scenario. name: of the scene; wind: part of the key. What is in the cache, continued where it is not
+ * enough and kept every half minute, so that it can be stopped at any time. STAGE_*. */
 int reference_get(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                   const reference_options *options, reference *out);
+/* What is in the cache alone. False: nothing. */
+bool reference_load(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
+                    const reference_options *options, reference *out);
+bool reference_is_enough(const reference *r, const reference_options *options);
 void reference_finish(reference *r);
-/* Of a picture with variance: see reference. */
-void reference_noise(const picture *p, double *out_noise, double *out_noise_8);
 
 #endif

@@ -12,7 +12,7 @@ typedef struct stage {
     test_host host;
     int32_t device;        /* VELUM_DEVICE_* */
     char device_name[256]; /* once there is an engine */
-    uint64_t plugin_hash;  /* of the library's file */
+    uint64_t revision;     /* of what shapes a reference: of the sources; of another library than theirs, its file */
     const char *scenes;    /* folder */
     const char *shared;    /* folder of the real weather files */
     velum_world *world;
@@ -52,6 +52,10 @@ enum { STAGE_OK = 0, STAGE_SKIPPED = 1, STAGE_FAILED = 2 };
 /* False, having said why. The plugin's path: VELUM_PLUGIN, else beside this program in the build tree. */
 bool stage_init(stage *s, int32_t device);
 void stage_finish(stage *s);
+
+/* Gives world, engine and device back: Mesa's software device keeps what it allocates for each dispatch until it is
+ * destroyed, some 10 MB a second of the reference. Only where that has become much. */
+void stage_renew(stage *s);
 
 /* STAGE_*; says why unless it is OK. */
 int stage_load(stage *s, const scene_row *scene, float wind_east_m_s);

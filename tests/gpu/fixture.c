@@ -72,8 +72,11 @@ void fixture_commit(fixture *f, const velum_layer *layers, uint32_t count) {
                              .layers = layers,
                              .layer_count = count};
     const velum_state_desc state = {.struct_size = sizeof state, .cells = &cell, .cell_count = 1};
-    uint64_t id = 0;
-    assert_int_equal(f->world_api->commit(f->world, &state, &id), VELUM_OK);
+    uint64_t before = f->state;
+    assert_int_equal(f->world_api->commit(f->world, &state, &f->state), VELUM_OK);
+    if (before) {
+        f->world_api->retire(f->world, before);
+    }
 }
 
 velum_layer fixture_slab(float tau) {

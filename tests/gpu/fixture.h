@@ -19,6 +19,7 @@ typedef struct fixture {
     velum_world *world;
     velum_engine *engine;
     velum_eye *eye;
+    uint64_t state;      /* newest that fixture_commit made */
     uint32_t errors;     /* messages of severity ERROR and above */
     uint32_t validation; /* messages of validation layers */
     char newest[1024];
@@ -33,6 +34,7 @@ void fixture_init(fixture *f, bool validate);
 velum_engine *fixture_engine(fixture *f, bool validate);
 void fixture_finish(fixture *f);
 
+/* Forgets the one before. */
 void fixture_commit(fixture *f, const velum_layer *layers, uint32_t count);
 /* One uniform layer of that optical depth between 1000 and 2000 m. */
 velum_layer fixture_slab(float tau);

@@ -1,0 +1,47 @@
+/* Two parts of a reference in one. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "picture.h"
+
+/* As if the first three paths and the next five had been of one picture. */
+static void parts_make_the_whole(void **state) {
+    (void)state;
+    const double path[8] = {1.0, 5.0, 3.0, 2.0, 8.0, 4.0, 4.0, 7.0};
+    picture first, second;
+    double mean = 0.0;
+    assert_true(picture_init(&first, 2, 1));
+    assert_true(picture_init(&second, 2, 1));
+    for (int i = 0; i < 8; i++) {
+        picture *p = i < 3 ? &first : &second;
+        double share = i < 3 ? 1.0 / 3.0 : 1.0 / 5.0;
+        for (int c = 0; c < 3; c++) {
+            p->rgb[c] += (float)(path[i] * share);
+            p->transmittance[3 + c] += (float)(0.1 * path[i] * share);
+        }
+        p->distance[1] += (float)(100.0 * path[i] * share);
+        mean += path[i] / 8.0;
+    }
+    first.variance[0] = 4.0f / 3.0f; /* of paths of variance 4 */
+    second.variance[0] = 4.0f / 5.0f;
+    picture_merge(&first, 3.0, &second, 5.0);
+    for (int c = 0; c < 3; c++) {
+        assert_float_equal(first.rgb[c], mean, 1e-5);
+        assert_float_equal(first.transmittance[3 + c], 0.1 * mean, 1e-6);
+    }
+    assert_float_equal(first.distance[1], 100.0 * mean, 1e-3);
+    assert_float_equal(first.luminance[0], mean, 1e-5);
+    assert_float_equal(first.variance[0], 4.0 / 8.0, 1e-6);
+    picture_finish(&first);
+    picture_finish(&second);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(parts_make_the_whole)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
