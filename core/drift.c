@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Lives follow each other at this distance; life n is centred on (n + 1/2) PERIOD_S. */
+/* Lives follow each other at this distance; life n is centred on n PERIOD_S: a flight begins with one life alone. */
 #define PERIOD_S (CORE_DRIFT_CYCLE_S - CORE_DRIFT_FADE_S)
 
 /* splitmix64 (Steele, Lea & Flood 2014). */
@@ -14,7 +14,7 @@ static uint64_t mix64(uint64_t x) {
 }
 
 static void set_phase(core_drift *drift, uint32_t phase, int64_t cycle, double time_s, double weight, uint64_t seed) {
-    double tau_s = time_s - ((double)cycle + 0.5) * PERIOD_S;
+    double tau_s = time_s - (double)cycle * PERIOD_S;
     drift->tau_s[phase] = (float)fmax(fmin(tau_s, 0.5 * CORE_DRIFT_CYCLE_S), -0.5 * CORE_DRIFT_CYCLE_S);
     drift->weight[phase] = (float)weight;
     drift->cycle[phase] = cycle;
@@ -30,8 +30,8 @@ core_drift core_drift_at(double time_s, uint64_t seed) {
     if (!isfinite(time_s) || fabs(time_s) > 1e15) {
         time_s = 0.0;
     }
-    int64_t cycle = (int64_t)floor(time_s / PERIOD_S);
-    double into_s = time_s - (double)cycle * PERIOD_S;
+    int64_t cycle = (int64_t)floor(time_s / PERIOD_S + 0.5);
+    double into_s = time_s - ((double)cycle - 0.5) * PERIOD_S;
     /* The neighbour whose life is nearer, and how far the fade to or from it has come. */
     double before_s = into_s + 0.5 * CORE_DRIFT_FADE_S;
     double after_s = PERIOD_S - into_s + 0.5 * CORE_DRIFT_FADE_S;

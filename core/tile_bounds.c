@@ -4,12 +4,125 @@
 #include <string.h>
 
 #include "shared/sample.h"
+#include "shared/tile_address.h"
 
 /* Between texels fields are mixed before the profile is formed, which is not quite linear in them. */
-#define SLACK 1.02f
+#define SLACK 1.03f
 
 static float unit(uint16_t stored) {
     return (float)stored * (1.0f / 65535.0f);
+}
+
+/* Change from one texel to its neighbours, over a metre, at most: between texels fields are bilinear. */
+typedef struct slopes {
+    float wind_1_s, coverage_1_m, height;
+} slopes;
+
+static slopes slopes_of(const core_tile_slot *from, float texel_m) {
+    float wind = 0.0f, coverage = 0.0f, height = 0.0f;
+    for (uint32_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
+        for (int turn = 0; turn < 2; turn++) {
+            const uint32_t step = turn == 0 ? 1 : VELUM_TILE_SIDE;
+            if (turn == 0 ? i % VELUM_TILE_SIDE == VELUM_TILE_SIDE - 1 : i / VELUM_TILE_SIDE == VELUM_TILE_SIDE - 1) {
+                continue;
+            }
+            const uint16_t *a = from->a + (size_t)i * 4;
+            const uint16_t *next_a = a + (size_t)step * 4;
+            const uint16_t *b = from->b + (size_t)i * 4;
+            const uint16_t *next_b = b + (size_t)step * 4;
+            float square = 0.0f;
+            for (uint32_t k = 0; k < 3; k++) {
+                float off = velum_texel_wind_m_s(unit(b[k])) - velum_texel_wind_m_s(unit(next_b[k]));
+                square += off * off;
+            }
+            wind = fmaxf(wind, square);
+            coverage = fmaxf(coverage, fabsf(unit(a[0]) - unit(next_a[0])));
+            for (uint32_t k = 1; k < 3; k++) {
+                height = fmaxf(height, fabsf(velum_texel_height_m(unit(a[k])) - velum_texel_height_m(unit(next_a[k]))));
+            }
+        }
+    }
+    /* Both axes together; texels are as narrow as 0.7 of the nominal side. */
+    const float scale = sqrtf(2.0f) / (0.7f * texel_m);
+    return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale};
+}
+
+static float page_most_1_m(velum_slot_fields f, velum_profile p) {
+    return f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
+}
+
+/* Coverage as velum_excess takes it. */
+static float effective(uint32_t slot, const uint16_t *a, const uint16_t *b) {
+    velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]), unit(b[1]),
+                                                 unit(b[2]), unit(b[3]));
+    return slot < VELUM_SLOT_UNIFORM ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+}
+
+/* Texels are counted with the apron: part i and its neighbours are filtered from 8 i - 8 to 8 i + 17. */
+static uint32_t part(const core_tile_slot *from, uint32_t slot, uint32_t x, uint32_t y, float most) {
+    const int step = VELUM_TILE_TEXELS / VELUM_PARTS;
+    float own = 0.0f;
+    for (int j = (int)y * step - step; j <= (int)y * step + 2 * step + 1; j++) {
+        for (int i = (int)x * step - step; i <= (int)x * step + 2 * step + 1; i++) {
+            if (i >= 0 && j >= 0 && i < VELUM_TILE_SIDE && j < VELUM_TILE_SIDE) {
+                size_t at = ((size_t)j * VELUM_TILE_SIDE + (size_t)i) * 4;
+                own = from->a[at] > 0 ? fmaxf(own, effective(slot, from->a + at, from->b + at)) : own;
+            }
+        }
+    }
+    float share = ceilf(own * SLACK / fmaxf(most, 1e-9f) * 255.0f);
+    return share < 255.0f ? (uint32_t)share : 255;
+}
+
+static bool same_texel(const core_tile_slot *from, size_t i, size_t j) {
+    return memcmp(from->a + i * 4, from->a + j * 4, 4 * sizeof *from->a) == 0 &&
+           memcmp(from->b + i * 4, from->b + j * 4, 4 * sizeof *from->b) == 0;
+}
+
+/* Parts whose texels, as far as filtering reaches, are all like the one. */
+static uint32_t even_parts(const core_tile_slot *from, size_t like) {
+    const uint32_t step = VELUM_TILE_TEXELS / VELUM_PARTS;
+    uint32_t mask = 0;
+    for (uint32_t part = 0; part < VELUM_PARTS * VELUM_PARTS; part++) {
+        bool even = true;
+        for (uint32_t i = 0; even && i < (step + 2) * (step + 2); i++) {
+            const uint32_t x = part % VELUM_PARTS * step + i % (step + 2);
+            const uint32_t y = part / VELUM_PARTS * step + i / (step + 2);
+            even = same_texel(from, (size_t)y * VELUM_TILE_SIDE + x, like);
+        }
+        mask |= (uint32_t)even << part;
+    }
+    return mask;
+}
+
+/* Fields halfway between four texels: profiles are not linear in them. */
+static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t texels[4], bool first,
+                       velum_page_bounds *out) {
+    float v[8] = {0};
+    for (uint32_t k = 0; k < 4; k++) {
+        for (uint32_t channel = 0; channel < 4; channel++) {
+            v[channel] += 0.25f * unit(from->a[texels[k] * 4 + channel]);
+            v[4 + channel] += 0.25f * unit(from->b[texels[k] * 4 + channel]);
+        }
+    }
+    velum_slot_fields f = velum_fields_of_texels(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]);
+    velum_profile p = {.coverage_scale = 1.0f, .density_scale = 1.0f};
+    if (slot < VELUM_SLOT_UNIFORM) {
+        p = velum_profile_of((int)slot, f);
+    }
+    const float coverage = slot < VELUM_SLOT_UNIFORM ? f.coverage * p.coverage_scale : f.coverage;
+    const float extinction_1_m = slot < VELUM_SLOT_UNIFORM ? page_most_1_m(f, p) : f.extinction_1_m;
+    out->most[0] = fmaxf(out->most[0], coverage);
+    out->most[1] = fmaxf(out->most[1], f.coverage > 0.0f ? extinction_1_m : 0.0f);
+    out->most[2] = first ? p.reach : fminf(out->most[2], p.reach);
+    out->most[3] = fmaxf(out->most[3], p.power);
+    const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};
+    for (int k = 0; k < 4; k++) {
+        bool least = k % 2 == 0;
+        out->height[k] = first   ? height[k]
+                         : least ? fminf(out->height[k], height[k])
+                                 : fmaxf(out->height[k], height[k]);
+    }
 }
 
 void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *out) {
@@ -18,42 +131,41 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
     if (!from->a) {
         return;
     }
+    const uint32_t side = VELUM_TILE_SIDE;
     bool even = true;
-    for (uint32_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
-        const uint16_t *a = from->a + (size_t)i * 4;
-        const uint16_t *b = from->b + (size_t)i * 4;
-        bool same = i > 0 && memcmp(a, a - 4, 4 * sizeof *a) == 0 && memcmp(b, b - 4, 4 * sizeof *b) == 0;
-        if (same) {
-            continue;
+    uint32_t densest = 0;
+    add_fields(slot, from, (const size_t[4]){0, 0, 0, 0}, true, out);
+    for (uint32_t i = 0; i < side * side; i++) {
+        densest = from->a[(size_t)i * 4] > from->a[(size_t)densest * 4] ? i : densest;
+        if (i > 0 && !same_texel(from, i, i - 1)) {
+            even = false;
+            add_fields(slot, from, (const size_t[4]){i, i, i, i}, false, out);
         }
-        even = even && i == 0;
-        velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]),
-                                                     unit(b[1]), unit(b[2]), unit(b[3]));
-        velum_profile p = {.coverage_scale = 1.0f, .density_scale = 1.0f};
-        if (slot < VELUM_SLOT_UNIFORM) {
-            p = velum_profile_of((int)slot, f);
+        const uint32_t right = i % side < side - 1 ? i + 1 : i;
+        const uint32_t down = i / side < side - 1 ? i + side : i;
+        const uint32_t across = down + right - i;
+        if (!same_texel(from, i, right) || !same_texel(from, i, down) || !same_texel(from, i, across)) {
+            add_fields(slot, from, (const size_t[4]){i, i, right, right}, false, out);
+            add_fields(slot, from, (const size_t[4]){i, i, down, down}, false, out);
+            add_fields(slot, from, (const size_t[4]){i, right, down, across}, false, out);
         }
-        const float most[3] = {f.coverage * p.coverage_scale, f.extinction_1_m * p.density_scale, p.growth};
-        for (int k = 0; k < 3; k++) {
-            out->most[k] = i == 0 ? most[k] : fmaxf(out->most[k], most[k]);
-        }
-        out->most[3] = i == 0 ? p.reach : fminf(out->most[3], p.reach);
-        const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};
-        for (int k = 0; k < 4; k++) {
-            bool least = k % 2 == 0;
-            out->height[k] = i == 0  ? height[k]
-                             : least ? fminf(out->height[k], height[k])
-                                     : fmaxf(out->height[k], height[k]);
-        }
-        out->shape[0] = i == 0 ? p.power : fmaxf(out->shape[0], p.power);
-        const float least[3] = {p.softness, p.amplitude, p.foot};
-        for (int k = 0; k < 3; k++) {
-            out->shape[k + 1] = i == 0 ? least[k] : fminf(out->shape[k + 1], least[k]);
-        }
+    }
+    out->even[0] = even_parts(from, densest);
+    out->even[1] = densest;
+    const float side_m = VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
+    if (!even) {
+        slopes change = slopes_of(from, side_m / (float)VELUM_TILE_TEXELS);
+        out->shape[0] = change.wind_1_s;
+        out->shape[1] = change.coverage_1_m;
+        out->shape[2] = change.height;
     }
     if (!even && slot < VELUM_SLOT_UNIFORM) {
         out->most[0] *= SLACK;
         out->most[1] *= SLACK;
-        out->most[3] /= SLACK;
+        out->most[2] /= SLACK;
+    }
+    for (uint32_t i = 0; i < VELUM_PARTS * VELUM_PARTS; i++) {
+        uint32_t share = even ? 255 : part(from, slot, i % VELUM_PARTS, i / VELUM_PARTS, out->most[0]);
+        out->parts[i / VELUM_PARTS] |= share << i % VELUM_PARTS * 8;
     }
 }

@@ -16,7 +16,7 @@ static void engine_free(engine *e) {
     }
     gpu_buffer_finish(g, &e->uniforms);
     gpu_buffer_finish(g, &e->counters);
-    gpu_buffer_finish(g, &e->noise_most);
+    gpu_buffer_finish(g, &e->noise_slope);
     for (uint32_t i = 0; i < FRAMES_MAX; i++) {
         frame_slot_finish(e, &e->slots[i]);
     }

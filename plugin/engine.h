@@ -45,18 +45,22 @@ typedef enum pass {
     PASS_RESOLVE_LAYERED_GROUND,
     PASS_SHADOW,
     PASS_SHADOW_MIXED,
-    PASS_REFERENCE, /* from here on made with the first eye that wants them */
-    PASS_REFERENCE_MIXED,
+    PASS_REFERENCE, /* of everything; from here on made with the first eye that wants them */
     PASS_REFERENCE_RESOLVE,
     PASS_REFERENCE_RESOLVE_LAYERED,
     PASS_REFERENCE_ERROR,
     PASS_COUNT
 } pass;
 
+/* Variants of the tracer; past them the one of everything serves. */
+enum { TRACERS_MAX = 32 };
+
 typedef struct pipelines {
     VkDescriptorSetLayout set_engine, set_view, set_shadow, set_reference;
     VkPipelineLayout layout_engine, layout_view, layout_shadow, layout_reference;
     VkPipeline pipeline[PASS_COUNT];
+    VkPipeline tracer[TRACERS_MAX];
+    uint32_t tracer_key[TRACERS_MAX], tracer_count;
     VkPipelineCache cache;
     VkSampler linear, repeat, nearest;
 } pipelines;
@@ -68,6 +72,8 @@ uint32_t pipelines_reference_lanes(const gpu *g);
 velum_result pipelines_add_study(pipelines *p, gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
+/* The tracer for what a frame has, made when it is first asked for. Null: the device refuses. */
+VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots);
 void pipelines_finish(pipelines *p, gpu *g);
 /* As get_pipeline_cache. */
 velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size);
@@ -133,9 +139,10 @@ struct engine {
     bool air_ready;
     bool glow_ready;
     float glow_albedo[3];
-    shadow *newest_shadow; /* drawn last */
-    shadow *bound_shadow;  /* that this frame's views see; null: none */
-    gpu_buffer noise_most; /* of the reference (shared/reference.h), once an eye wants it */
+    shadow *newest_shadow;  /* drawn last */
+    shadow *bound_shadow;   /* that this frame's views see; null: none */
+    gpu_buffer noise_slope; /* of the reference (shared/reference.h), once an eye wants it */
+    float detail_slope;
 
     uint32_t eye_count, shadow_count;
     eye *eyes;      /* alive */
@@ -184,17 +191,18 @@ typedef struct reference_key {
 /* A view's accumulation. A slice of paths may take several frames: what it has come to is learnt when they are done. */
 typedef struct reference {
     gpu_buffer paths, pixels, slice_words, lanes;
-    uint32_t path_room; /* paths of a slice at most */
-    uint32_t rounds;    /* of a lane's loop that a submission has time for, on software devices */
-    uint64_t slice;     /* number of the present one; 0: none */
-    bool begun;         /* it has been recorded before */
-    bool complete;      /* and is done */
-    uint32_t turn;      /* of the pixels (shared/reference.h): first of the slice */
-    uint32_t turns;     /* of the slice */
-    uint32_t done;      /* paths that each pixel has had */
-    uint32_t paths_now; /* for each pixel in this round */
-    uint32_t side;      /* of the turns */
-    reference_key *key; /* null: nothing yet */
+    uint32_t path_room;               /* paths of a slice at most */
+    uint32_t rounds;                  /* of a lane's loop that a submission has time for, on software devices */
+    uint64_t slice;                   /* number of the present one; 0: none */
+    bool begun;                       /* it has been recorded before */
+    bool complete;                    /* and is done */
+    uint32_t turn;                    /* of the pixels (shared/reference.h): first of the slice */
+    uint32_t turns;                   /* of the slice */
+    uint32_t done;                    /* paths that each pixel has had */
+    uint32_t paths_now;               /* for each pixel in this round */
+    uint32_t side;                    /* of the square of blocks that take turns */
+    float most_1_m[VELUM_SLOT_COUNT]; /* extinction of each slot, over all that the eye has */
+    reference_key *key;               /* null: nothing yet */
 } reference;
 
 /* A camera as the frame after it needs it. */

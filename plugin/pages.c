@@ -47,6 +47,7 @@ void pages_finish(pages *p, gpu *g) {
     free(p->copies_a);
     free(p->copies_b);
     free(p->copies_bounds);
+    free(p->known);
     gpu_buffer_finish(g, &p->bounds);
     *p = (pages){0};
 }
@@ -132,14 +133,21 @@ bool pages_want_bounds(pages *p, gpu *g) {
         return true;
     }
     p->copies_bounds = calloc(p->copy_capacity, sizeof *p->copies_bounds);
-    if (!p->copies_bounds) {
+    p->known = calloc(p->capacity, sizeof *p->known);
+    if (!p->copies_bounds || !p->known) {
+        free(p->copies_bounds);
+        free(p->known);
+        p->copies_bounds = NULL;
+        p->known = NULL;
         g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
     if (!gpu_buffer_init(g, &p->bounds, p->capacity * sizeof(velum_page_bounds),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_DEVICE)) {
         free(p->copies_bounds);
+        free(p->known);
         p->copies_bounds = NULL;
+        p->known = NULL;
         return false;
     }
     for (uint32_t i = 0; i < p->capacity; i++) {
@@ -183,6 +191,7 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
         velum_page_bounds bounds;
         core_tile_bounds(tile, slot, &bounds);
         memcpy(bytes + texels, &bounds, sizeof bounds);
+        p->known[oldest] = bounds;
         p->copies_bounds[p->copy_count] = (VkBufferCopy){offset + texels, oldest * sizeof bounds, sizeof bounds};
     }
     evict(p, oldest);

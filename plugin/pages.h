@@ -6,6 +6,7 @@
 
 #include "core/tile.h"
 #include "gpu.h"
+#include "shared/reference.h"
 
 enum { PAGES_MAX = 1792, PAGES_NAMES = 1 << 14, PAGES_BUCKETS = 4096 };
 
@@ -45,6 +46,7 @@ typedef struct pages {
     gpu_buffer bounds; /* velum_page_bounds of each page, once pages_want_bounds was called */
     VkBufferCopy *copies_bounds;
     bool has_bounds;
+    velum_page_bounds *known; /* the same, by page */
 } pages;
 
 bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes);

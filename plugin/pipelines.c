@@ -1,3 +1,4 @@
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -130,7 +131,6 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     case PASS_SHADOW:
     case PASS_SHADOW_MIXED: return p->layout_shadow;
     case PASS_REFERENCE:
-    case PASS_REFERENCE_MIXED:
     case PASS_REFERENCE_RESOLVE:
     case PASS_REFERENCE_RESOLVE_LAYERED:
     case PASS_REFERENCE_ERROR: return p->layout_reference;
@@ -142,7 +142,14 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
     return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 8 : VELUM_REFERENCE_GROUP;
 }
 
-static bool create_pipeline(pipelines *p, gpu *g, pass which) {
+/* Constants of shaders: 0 of weather.glsl and resolve.comp; invocations of the tracer's group; its slots, its air. */
+typedef struct variant {
+    VkBool32 more;
+    uint32_t lanes, slots;
+    VkBool32 air;
+} variant;
+
+static bool create_variant(pipelines *p, gpu *g, pass which, const variant *values, VkPipeline *out) {
     static const struct {
         const uint32_t *words;
         size_t bytes;
@@ -161,22 +168,15 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
         [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
         [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv},
         [PASS_REFERENCE] = {velum_reference_spv, sizeof velum_reference_spv},
-        [PASS_REFERENCE_MIXED] = {velum_reference_spv, sizeof velum_reference_spv},
         [PASS_REFERENCE_RESOLVE] = {velum_reference_resolve_spv, sizeof velum_reference_resolve_spv},
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    /* Constant 0 of weather.glsl and of resolve.comp. */
-    const VkBool32 more = which == PASS_MARCH_MIXED || which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
-                          which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND ||
-                          which == PASS_REFERENCE_MIXED;
-    /* Constant 1: invocations of the tracer's group. */
-    const struct {
-        VkBool32 more;
-        uint32_t lanes;
-    } values = {more, pipelines_reference_lanes(g)};
-    const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof more}, {1, sizeof more, sizeof values.lanes}};
-    const VkSpecializationInfo constants = {2, entries, sizeof values, &values};
+    const VkSpecializationMapEntry entries[4] = {{0, offsetof(variant, more), sizeof values->more},
+                                                 {1, offsetof(variant, lanes), sizeof values->lanes},
+                                                 {2, offsetof(variant, slots), sizeof values->slots},
+                                                 {3, offsetof(variant, air), sizeof values->air}};
+    const VkSpecializationInfo constants = {4, entries, sizeof *values, values};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[which].bytes,
                                             .pCode = shaders[which].words};
@@ -191,9 +191,36 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
                                                   .pName = "main",
                                                   .pSpecializationInfo = &constants},
                                         .layout = pipelines_layout(p, which)};
-    bool ok = VK(g, CreateComputePipelines(g->device, p->cache, 1, &info, NULL, &p->pipeline[which]));
+    bool ok = VK(g, CreateComputePipelines(g->device, p->cache, 1, &info, NULL, out));
     g->DestroyShaderModule(g->device, module, NULL);
     return ok;
+}
+
+static bool create_pipeline(pipelines *p, gpu *g, pass which) {
+    const variant values = {.more = which == PASS_MARCH_MIXED || which == PASS_MARCH_STUDY_MIXED ||
+                                    which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
+                                    which == PASS_RESOLVE_LAYERED_GROUND,
+                            .lanes = pipelines_reference_lanes(g)};
+    return create_variant(p, g, which, &values, &p->pipeline[which]);
+}
+
+VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots) {
+    if (p->tracer_count == TRACERS_MAX - 1) {
+        mixes = air = true;
+        slots = (1u << VELUM_SLOT_COUNT) - 1;
+    }
+    const uint32_t key = slots | (uint32_t)mixes << 8 | (uint32_t)air << 9;
+    for (uint32_t i = 0; i < p->tracer_count; i++) {
+        if (p->tracer_key[i] == key) {
+            return p->tracer[i];
+        }
+    }
+    const variant values = {.more = mixes, .lanes = pipelines_reference_lanes(g), .slots = slots, .air = air};
+    if (!create_variant(p, g, PASS_REFERENCE, &values, &p->tracer[p->tracer_count])) {
+        return VK_NULL_HANDLE;
+    }
+    p->tracer_key[p->tracer_count] = key;
+    return p->tracer[p->tracer_count++];
 }
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size) {
@@ -246,7 +273,7 @@ velum_result pipelines_add_reference(pipelines *p, gpu *g) {
     bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_VIEW_COUNT, &p->set_reference);
     const VkDescriptorSetLayout sets[2] = {p->set_engine, p->set_reference};
     ok = ok && (p->layout_reference || create_layout(g, sets, 2, &p->layout_reference));
-    for (uint32_t i = PASS_REFERENCE; ok && i < PASS_COUNT; i++) {
+    for (uint32_t i = PASS_REFERENCE_RESOLVE; ok && i < PASS_COUNT; i++) {
         ok = p->pipeline[i] || create_pipeline(p, g, (pass)i);
     }
     return ok ? VELUM_OK : gpu_result(g);
@@ -258,6 +285,9 @@ void pipelines_finish(pipelines *p, gpu *g) {
     }
     for (uint32_t i = 0; i < PASS_COUNT; i++) {
         g->DestroyPipeline(g->device, p->pipeline[i], NULL);
+    }
+    for (uint32_t i = 0; i < p->tracer_count; i++) {
+        g->DestroyPipeline(g->device, p->tracer[i], NULL);
     }
     g->DestroySampler(g->device, p->linear, NULL);
     g->DestroySampler(g->device, p->repeat, NULL);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "blocks.h"
+#include "core/noise_slope.h"
 #include "shared/hash.h"
 #include "shared/phase.h"
 #include "shared/reference.h"
@@ -11,45 +12,13 @@
 enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
-enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 600, SOFTWARE_PATHS = 4096 };
+enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 256, SOFTWARE_PATHS = 4096 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
-/* Fewer flights about the sun are drawn than collisions, in clouds whose phase function has a narrow peak. */
+/* Fewer flights about the sun are drawn than collisions. */
 #define BRANCHES 0.5f
-#define NARROW_G 0.88f
 #define WORTH 0.1f
-
-/* The greatest of the corners of each cell between the centres of neighbouring texels. */
-static void fill_cells(const uint8_t *texels, uint32_t side, uint8_t *out) {
-    const uint32_t last = side - 1;
-    for (uint32_t i = 0; i < side * side * side; i++) {
-        const uint32_t x = i % side;
-        const uint32_t y = i / side % side;
-        const uint32_t z = i / side / side;
-        uint8_t most = 0;
-        for (uint32_t k = 0; k < 8; k++) {
-            uint32_t at =
-                ((((z + (k >> 2)) & last) * side) + ((y + (k >> 1 & 1)) & last)) * side + ((x + (k & 1)) & last);
-            most = texels[at] > most ? texels[at] : most;
-        }
-        out[i] = most;
-    }
-}
-
-static void fill_noise(const core_noise *noise, uint8_t *out) {
-    const uint32_t cells = VELUM_NOISE_SHAPE_CELLS;
-    const uint32_t blocks = VELUM_NOISE_SHAPE_BLOCKS;
-    fill_cells(noise->shape, cells, out);
-    fill_cells(noise->detail, VELUM_NOISE_DETAIL_CELLS, out + VELUM_NOISE_DETAIL_AT);
-    uint8_t *most = out + VELUM_NOISE_BLOCKS_AT;
-    memset(most, 0, (size_t)blocks * blocks * blocks);
-    for (uint32_t i = 0; i < cells * cells * cells; i++) {
-        const uint32_t shift = cells / blocks;
-        uint32_t block = (i / cells / cells / shift * blocks + i / cells % cells / shift) * blocks + i % cells / shift;
-        most[block] = out[i] > most[block] ? out[i] : most[block];
-    }
-}
 
 velum_result reference_enable(engine *e) {
     gpu *g = &e->g;
@@ -57,12 +26,18 @@ velum_result reference_enable(engine *e) {
     if (result < 0) {
         return result;
     }
-    if (!e->noise_most.buffer) {
-        const VkDeviceSize bytes = VELUM_NOISE_MOST_BYTES;
-        if (!gpu_buffer_init(g, &e->noise_most, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GPU_MEMORY_UPLOAD)) {
+    if (!e->noise_slope.buffer) {
+        const VkDeviceSize bytes = VELUM_SLOPE_BYTES + VELUM_AWAY_BYTES;
+        if (!gpu_buffer_init(g, &e->noise_slope, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GPU_MEMORY_UPLOAD)) {
             return gpu_result(g);
         }
-        fill_noise(world_noise(e->w), e->noise_most.mapped);
+        if (!core_noise_slope(world_noise(e->w), e->noise_slope.mapped) ||
+            !core_noise_away(world_noise(e->w), (uint8_t *)e->noise_slope.mapped + VELUM_SLOPE_BYTES)) {
+            gpu_buffer_finish(g, &e->noise_slope);
+            g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
+            return gpu_result(g);
+        }
+        e->detail_slope = core_noise_detail_slope(world_noise(e->w));
     }
     return pages_want_bounds(&e->pages, g) ? VELUM_OK : gpu_result(g);
 }
@@ -110,7 +85,7 @@ bool reference_init(view *v) {
         !init_storage(g, &r->pixels, pixels) ||
         !init_storage(g, &r->lanes,
                       (software ? SOFTWARE_GROUPS_MAX : 1) * VELUM_REFERENCE_GROUP * sizeof(velum_reference_lane)) ||
-        !init_storage(g, &r->slice_words, 16)) {
+        !init_storage(g, &r->slice_words, sizeof(uint32_t) * VELUM_SLICE_WORDS)) {
         return false;
     }
     v->bytes = r->lanes.allocation.size + r->paths.allocation.size + r->pixels.allocation.size +
@@ -128,8 +103,12 @@ void reference_finish(gpu *g, view *v) {
     r->key = NULL;
 }
 
+static uint32_t turns_of(const reference *r) {
+    return r->side * r->side * VELUM_REFERENCE_BLOCK;
+}
+
 static void next_slice(reference *r, uint32_t limit) {
-    const uint32_t all = r->side * r->side;
+    const uint32_t all = turns_of(r);
     r->turn += r->turns;
     if (r->turns > 0 && r->turn >= all) {
         r->turn = 0;
@@ -176,23 +155,25 @@ void reference_learn(view *v, const frame_record *record, const uint32_t *slice_
     bool complete = slice_words[VELUM_SLICE_DONE] == record->paths;
     adapt(r, record, is_software(&v->eye->e->g), complete, ms);
     r->complete = r->complete || complete;
-    if (complete && r->turn + r->turns >= r->side * r->side) {
+    if (complete && r->turn + r->turns >= turns_of(r)) {
         v->stats.paths_per_pixel += r->paths_now;
     }
 }
 
-/* Narrowest forward peak among what clouds there are; 0: none worth a branch. */
-static float narrow_peak(const velum_eye_block *block) {
-    float g = 0.0f;
-    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        float own = slot >= VELUM_SLOT_UNIFORM ? block->slots[slot].optics[1]
-                    : slot == VELUM_SLOT_HIGH  ? VELUM_ICE_G_FORWARD
-                                               : VELUM_DROPLET_20_G_HG;
-        if (block->table[2] & (1u << slot) && own > g) {
+/* Slot of the narrowest forward peak among what clouds there are; VELUM_SLOT_COUNT: none. */
+static uint32_t narrowest(const velum_eye_block *block) {
+    uint32_t slot = VELUM_SLOT_COUNT;
+    float g = -2.0f;
+    for (uint32_t i = 0; i < VELUM_SLOT_COUNT; i++) {
+        float own = i >= VELUM_SLOT_UNIFORM ? block->slots[i].optics[1]
+                    : i == VELUM_SLOT_HIGH  ? VELUM_ICE_G_FORWARD
+                                            : VELUM_DROPLET_20_G_HG;
+        if (block->table[2] & (1u << i) && own > g) {
             g = own;
+            slot = i;
         }
     }
-    return g > NARROW_G ? g : 0.0f;
+    return slot;
 }
 
 /* True: nothing that is there can be kept. */
@@ -220,11 +201,31 @@ static bool changed(view *v, const velum_view_block *block, bool cut) {
     return !same;
 }
 
+/* The greatest extinction of each slot in any page of the eye's table. */
+static void learn_bounds(view *v) {
+    const engine *e = v->eye->e;
+    const tiles *t = &v->eye->tiles;
+    float *most = v->reference.most_1_m;
+    memset(most, 0, sizeof v->reference.most_1_m);
+    for (uint32_t i = 0; t->words && i < t->entries; i++) {
+        const uint32_t *entry = t->words + (size_t)i * VELUM_TABLE_WORDS;
+        for (uint32_t slot = 0; entry[0] != VELUM_TILE_KEY_NONE && slot < VELUM_SLOT_COUNT; slot++) {
+            for (int state = 0; state < 2; state++) {
+                uint32_t page = entry[VELUM_TABLE_PAGES + slot] >> 16 * state & 0xffffu;
+                if (page < e->pages.capacity) {
+                    float own = e->pages.known[page].most[1] * 1.0005f;
+                    most[slot] = own > most[slot] ? own : most[slot];
+                }
+            }
+        }
+    }
+}
+
 /* Begins a slice where the last is complete. */
-static void take_slice(reference *r, uint32_t pixels, uint32_t limit, bool anew, velum_view_block *block) {
+static void take_slice(reference *r, uint32_t blocks, uint32_t limit, bool anew, velum_view_block *block) {
     if (anew) {
         r->side = 1;
-        while ((uint64_t)r->side * r->side < pixels) {
+        while ((uint64_t)r->side * r->side < blocks) {
             r->side++;
         }
         r->turn = r->turns = r->done = r->paths_now = 0;
@@ -241,6 +242,7 @@ static void take_slice(reference *r, uint32_t pixels, uint32_t limit, bool anew,
 typedef struct binding {
     VkDescriptorSet sets[2];
     uint32_t offsets[3], again; /* eye, shadow, view */
+    VkPipeline tracer;
 } binding;
 
 static bool write_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
@@ -264,7 +266,7 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
         [VELUM_BIND_REFERENCE_PATHS] = {r->paths.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_PIXELS] = {r->pixels.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_BOUNDS] = {e->pages.bounds.buffer, 0, VK_WHOLE_SIZE},
-        [VELUM_BIND_REFERENCE_NOISE] = {e->noise_most.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_REFERENCE_NOISE] = {e->noise_slope.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_LANES] = {r->lanes.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_ERROR] = {r->slice_words.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 4 * VELUM_COUNTER_WORDS}};
@@ -299,17 +301,22 @@ static bool bind_init(view *v, const velum_vulkan_images *images, const velum_vi
     const velum_shadow_block none = {0};
     velum_view_block first = *block;
     velum_view_block again = *block;
+    velum_eye_block seen = y->block;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        seen.slots[slot].bounds[3] = v->reference.most_1_m[slot];
+    }
     first.steps[2] = v->reference.begun ? 1 : 0;
     again.steps[2] = 1;
     out->sets[0] = y->set;
-    if (!frame_uniform(e, &y->block, sizeof y->block, &out->offsets[0]) ||
+    if (!frame_uniform(e, &seen, sizeof seen, &out->offsets[0]) ||
         !frame_uniform(e, &none, sizeof none, &out->offsets[1]) ||
         !frame_uniform(e, &first, sizeof first, &out->offsets[2]) ||
         !frame_uniform(e, &again, sizeof again, &out->again)) {
         e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    return write_set(e, v, images, counter, &out->sets[1]);
+    out->tracer = pipelines_tracer(&e->passes, &e->g, blocks_mix(e), y->block.ground[3] != 0.0f, y->block.table[2]);
+    return out->tracer && write_set(e, v, images, counter, &out->sets[1]);
 }
 
 static void bind(const engine *e, VkCommandBuffer commands, const binding *b, bool again) {
@@ -341,7 +348,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     const VkDeviceSize error_at = sizeof(uint32_t) * VELUM_SLICE_ERROR;
     const uint32_t paths = block->march_size[1] * block->march_size[2];
     if (!r->begun) {
-        g->CmdFillBuffer(commands, r->slice_words.buffer, 0, anew ? error_at + sizeof(float) : error_at, 0);
+        g->CmdFillBuffer(commands, r->slice_words.buffer, 0, anew ? sizeof(uint32_t) * VELUM_SLICE_WORDS : error_at, 0);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                 compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
@@ -352,8 +359,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
         const uint32_t lanes = pipelines_reference_lanes(g);
         const uint32_t groups = (paths + lanes - 1) / lanes;
         const uint32_t most = software ? software_groups() : GROUPS_MAX;
-        pass which = blocks_mix(e) ? PASS_REFERENCE_MIXED : PASS_REFERENCE;
-        g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
+        g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, bound->tracer);
         for (uint32_t i = 0; i < (software ? dispatches_of(r) : 1); i++) {
             if (i == 1) {
                 bind(e, commands, bound, true);
@@ -373,7 +379,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     g->CmdCopyBuffer(commands, r->slice_words.buffer, r->slice_words.buffer, 1, &taken);
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                 compute | VK_PIPELINE_STAGE_2_COPY_BIT, access | VK_ACCESS_2_TRANSFER_READ_BIT);
-    if (r->turns > 0 && r->turn + r->turns >= r->side * r->side) {
+    if (r->turns > 0 && r->turn + r->turns >= turns_of(r)) {
         g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[PASS_REFERENCE_ERROR]);
         g->CmdDispatch(commands, 1, 1, 1);
         compute_barrier(g, commands);
@@ -393,9 +399,10 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     engine *e = y->e;
     frame_slot *slot = e->now;
     reference *r = &v->reference;
-    float g = narrow_peak(&y->block);
-    block->march[0] = g > 0.0f ? BRANCHES : 0.0f;
-    block->march[1] = g;
+    uint32_t peak = narrowest(&y->block);
+    block->march[0] = peak < VELUM_SLOT_COUNT ? BRANCHES : 0.0f;
+    block->march[1] = (float)peak;
+    block->march[2] = e->detail_slope;
     block->march[3] = WORTH;
     memset(block->march_size, 0, sizeof block->march_size);
     memset(block->steps, 0, sizeof block->steps);
@@ -409,8 +416,9 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
     bool anew = changed(v, block, cut);
     if (anew) {
         block->frame[1] |= VELUM_VIEW_BLOCK_CUT;
+        learn_bounds(v);
     }
-    take_slice(r, frame->width * frame->height, frame->path_limit, anew, block);
+    take_slice(r, velum_reference_blocks(frame->width, frame->height), frame->path_limit, anew, block);
     block->steps[3] = is_software(&e->g) ? rounds_of(r) : 0x7fffffffu;
     uint32_t counter = slot->record_count;
     binding bound;

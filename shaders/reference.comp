@@ -1,18 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The reference: paths of light from the eye through every order of scattering. Unbiased: collisions by delta tracking
- * (Woodcock et al. 1965) against bounds of stretches, light of the sun at each by ratio tracking (Novak et al. 2014),
- * three channels at once with probabilities that know the path's history (Kutz et al. 2017), so that their weights stay
- * within three times their mean. An invocation makes paths as long as there are any; each path's numbers depend on its
- * pixel and its own number alone. */
-#include "reference_cell.glsl"
-#include "shared/hash.h"
+ * (Woodcock et al. 1965) against bounds of stretches, light of the sun by ratio tracking (Novak et al. 2014), three
+ * channels at once with probabilities that know the path's history (Kutz et al. 2017), so that their weights stay
+ * within three times their mean. An invocation makes paths as long as there are any: a tight loop tracks them, and what
+ * happens at their ends is done for many lanes at once. Each path's numbers depend on its pixel and its own number
+ * alone. */
+#include "shared/reference.h"
+layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) buffer slice_buffer {
+    uint slice[VELUM_SLICE_WORDS];
+};
+#define VELUM_NOTHING slice[VELUM_SLICE_NOTHING]
+#include "reference_path.glsl"
 layout(local_size_x_id = 1, local_size_y = 1) in;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) writeonly buffer paths_buffer {
     velum_reference_path paths[];
-};
-layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) buffer slice_buffer {
-    uint slice[VELUM_SLICE_WORDS];
 };
 layout(set = 1, binding = VELUM_BIND_REFERENCE_LANES, std430) buffer lanes_buffer {
     velum_reference_lane lanes[];
@@ -26,90 +28,91 @@ const int at_start = 0;  /* of a path */
 const int at_view = 1;   /* along the pixel's ray, through all of it: its transmittance, and where it scatters first */
 const int at_flight = 2; /* to the next collision */
 const int at_sun = 3;    /* from a collision towards the sun */
-const int at_end = 4;    /* no path is left */
+const int at_scatter = 4; /* where the pixel's ray has met something */
+const int at_end = 5;    /* no path is left */
 
-uint key;
-uint drawn;
-float draw() {
-    return velum_hash_unit(velum_hash_2(key, drawn++));
+const int tracking_rounds = 4;
+/* Orders from which half of the paths go on at each power of two. */
+const int first_fork = 4096;
+/* How many flights to the sun are worth it for light scattered evenly. */
+const float sun_worth = 2.0;
+/* Of flights about the sun, in air and on the ground. */
+const float outside_branching = 0.2;
+/* Bounds of air are raised for rays that must meet it in many places (the pixel's), or in some (to the sun). */
+const float view_air = 10.0;
+const float sun_air = 3.0;
+
+float air_m;   /* to where air is looked at next */
+float air_1_m; /* its bound, 0: only a new bound is due there */
+
+/* From a place on, the bound of air holds as far as air_m. */
+void air_from(float h, float rise, int state) {
+    if (velum_has_air) {
+        float reach_m;
+        float most = air_most(h, rise, reach_m) * (state == at_view ? view_air : state == at_sun ? sun_air : 1.0);
+        float free_m = most > 0.0 ? -log(1.0 - draw()) / most : far_m;
+        air_1_m = free_m < reach_m ? most : 0.0;
+        air_m = min(free_m, reach_m);
+    }
 }
 
-float mean(vec3 x) {
-    return (x.r + x.g + x.b) * (1.0 / 3.0);
+ivec2 pixel_of(uint path) {
+    uint place = velum_reference_pixel_of(view.march_size.x + path / view.march_size.z, view.steps.y, view.size.x);
+    return ivec2(int(place & 0xffffu), int(place >> 16u));
 }
 
-/* Unit vector turned from d by an angle of 1 - cos = turn, about by `round` 0..1. Frame: Duff et al. 2017. */
-vec3 turned(vec3 d, float turn, float round) {
-    float s = d.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + d.z);
-    float b = d.x * d.y * a;
-    vec3 x = vec3(1.0 + s * d.x * d.x * a, s * b, -s * d.x);
-    vec3 y = vec3(b, s + d.y * d.y * a, -d.y);
-    float sine = sqrt(max(turn * (2.0 - turn), 0.0));
-    float angle = 2.0 * PI * round;
-    return normalize(d * (1.0 - turn) + (x * cos(angle) + y * sin(angle)) * sine);
-}
-
-/* 1 - cos between unit vectors, with all digits. */
-float turn_between(vec3 a, vec3 b) {
-    vec3 c = a - b;
-    return min(0.5 * dot(c, c), 2.0);
-}
-
-/* Where a ray from r ends: on the ground, or where nothing is any more. */
-float ray_length(vec3 r, vec3 d, bool from_ground, out bool grounded) {
+void ray_from(vec3 r, vec3 d, int state) {
     velum_place place = place_of(r);
     float rise = dot(vec3(place.nx, place.ny, place.nz), d);
-    float top = max(eye.table.z != 0u ? eye.span.y : 0.0, eye.ground.w != 0.0 ? VELUM_AIR_TOP_M : 0.0);
-    float ground = -1.0;
-    for (int once = from_ground || (rise >= 0.0 && place.height_m > 0.0) ? 1 : 0; once < 1; ++once) {
-        ground = ground_distance(r, d);
-    }
-    grounded = ground >= 0.0;
-    velum_span shell = velum_sphere_span(eye_geometry(), r.x, r.y, r.z, d.x, d.y, d.z, top * VELUM_SCALE_Z + 5.0);
-    float leave = shell.enter_m > shell.leave_m ? 0.0 : max(shell.leave_m, 0.0);
-    return grounded ? ground : leave;
+    clear_from(place.height_m, rise);
+    air_from(place.height_m, rise, state);
 }
 
-bool is_bad(vec4 v) {
-    return any(isnan(v)) || any(isinf(v));
-}
+/* Of all collisions along the pixel's ray some are kept, each with its share: reservoirs (Chao 1982), whose numbers are
+ * spread evenly. */
+#define VELUM_CHOOSE_ONE(SHARE, WEIGHT, MEDIUM)                                                                        \
+    for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {                                                                 \
+        bool own = fract(event + float(i) / float(VELUM_REFERENCE_CHAINS)) * chosen_sum < (SHARE);                     \
+        chosen[i] = own ? vec4(WEIGHT, ray_m) : chosen[i];                                                             \
+        uint shift = 8u * uint(i & 3);                                                                                 \
+        uint media = i < 4 ? chosen_media.x : chosen_media.y;                                                          \
+        media = own ? (media & ~(255u << shift)) | (uint(MEDIUM) << shift) : media;                                    \
+        chosen_media.x = i < 4 ? media : chosen_media.x;                                                               \
+        chosen_media.y = i < 4 ? chosen_media.y : media;                                                               \
+    }
 
 void main() {
-    const int greatest_order = int(view.steps.x);
-    const float branching = view.march.x; /* sunward branches for each collision */
-    const float branch_g = view.march.y;
+    const int greatest_order = int(view.steps.x + VELUM_NOTHING);
+    const float branching = view.march.x + float(VELUM_NOTHING); /* sunward branches for each collision, at most */
     const bool draws_ground = view_flag(VELUM_VIEW_BLOCK_GROUND);
     const uint count = view.march_size.y * view.march_size.z;
-    const uint pixel_count = view.size.x * view.size.y;
 
     int state = at_start;
     uint path_index = 0u;
     vec3 r = vec3(0.0);
     vec3 d = vec3(0.0, 0.0, 1.0);
     float left_m = 0.0;
-    bool grounded = false; /* the ray ends on the ground */
-    stretch s = stretch(0.0, 0.0, 0u, 0.0, tile_nowhere());
-
-    vec3 weight = vec3(0.0);
+    bool grounded = false;    /* the ray ends on the ground */
+    vec3 tracked = vec3(0.0); /* transmittance, weight of a flight, or light of the sun */
+    float dim = 0.0; /* roulette begins below */
     vec3 light = vec3(0.0);
     int order = 0;
     /* Along the pixel's ray. */
-    vec3 origin = vec3(0.0);
     float ray_m = 0.0;
     vec3 through = vec3(1.0);
     float through_cloud = 1.0;
     float chosen_sum = 0.0;
-    vec3 chosen_weight = vec3(0.0);
-    float chosen_m = 0.0;
-    int chosen_medium = 0;
+    vec4 chosen[VELUM_REFERENCE_CHAINS]; /* weight, distance */
+    uvec2 chosen_media = uvec2(0u);      /* bytes */
+    int chain = 0;
     float cloud_m = 0.0;
     float cloud_weight = 0.0;
-    bool host_solid = false;
-    /* The newest collision. */
+    /* The newest collision, and the flight from there. */
+    vec3 origin = vec3(0.0);
     int medium = 0;
-    vec3 incoming = vec3(0.0);
-    vec3 sun_light = vec3(0.0);
+    vec3 next_d = vec3(0.0);
+    vec3 next_weight = vec3(0.0);
+    bool next = false;
     /* Waits while a sunward branch is followed. */
     bool waiting = false;
     vec3 waiting_r = vec3(0.0);
@@ -124,12 +127,18 @@ void main() {
     uint begun = 0u;
     uint finished = 0u;
     bool missing = false;
+    air_m = far_m;
+    air_1_m = 0.0;
+    tile_forget();
+    for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
+        clear_m[slot] = far_m;
+    }
 
     /* Software devices give up loops after some 65,000 rounds, all loops of an invocation together: a lane stops before
      * that, and goes on where it was in the next dispatch. */
     const uint own = gl_GlobalInvocationID.x;
-    const uint most_rounds = view.steps.w;
-    if (view.steps.z != 0u) {
+    const uint most_rounds = view.steps.w + VELUM_NOTHING;
+    if (view.steps.z + VELUM_NOTHING != 0u) {
         velum_reference_lane lane = lanes[own];
         state = int(lane.state.x);
         path_index = lane.state.y;
@@ -138,32 +147,40 @@ void main() {
         order = int(lane.flags.x);
         waiting_order = int(lane.flags.y);
         medium = int(lane.flags.z & 255u);
-        chosen_medium = int(lane.flags.z >> 8u);
+        chain = int(lane.flags.z >> 8u);
         grounded = (lane.flags.w & 1u) != 0u;
-        host_solid = (lane.flags.w & 2u) != 0u;
+        next = (lane.flags.w & 2u) != 0u;
         waiting = (lane.flags.w & 4u) != 0u;
         waiting_from_ground = (lane.flags.w & 8u) != 0u;
-        s.slots = lane.tile.x;
-        s.tile.entry = lane.tile.y;
-        s.tile_m = uintBitsToFloat(lane.tile.z);
         r = lane.r.xyz;
         left_m = lane.r.w;
         d = lane.d.xyz;
         ray_m = lane.d.w;
-        s.left_m = lane.stretch.x;
-        s.most_1_m = lane.stretch.y;
-        chosen_m = lane.stretch.z;
-        cloud_weight = lane.stretch.w;
-        weight = lane.weight.xyz;
-        through_cloud = lane.weight.w;
+        clear_m[0] = lane.clear_0.x;
+        clear_m[1] = lane.clear_0.y;
+        clear_m[2] = lane.clear_0.z;
+        clear_m[3] = lane.clear_0.w;
+        clear_m[4] = lane.clear_4.x;
+        clear_m[5] = lane.clear_4.y;
+        clear_m[6] = lane.clear_4.z;
+        clear_m[7] = lane.clear_4.w;
+        tracked = lane.tracked.xyz;
+        air_m = lane.tracked.w;
         light = lane.light.xyz;
         chosen_sum = lane.light.w;
         through = lane.through.xyz;
-        cloud_m = lane.through.w;
+        through_cloud = lane.through.w;
         origin = lane.origin.xyz;
-        chosen_weight = lane.chosen.xyz;
-        incoming = lane.incoming.xyz;
-        sun_light = lane.sun.xyz;
+        cloud_m = lane.origin.w;
+        for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
+            chosen[i] = lane.chosen[i];
+        }
+        chosen_media = lane.media.xy;
+        cloud_weight = uintBitsToFloat(lane.media.z);
+        next_d = lane.next_d.xyz;
+        next_weight = lane.next.xyz;
+        dim = lane.next_d.w;
+        air_1_m = lane.next.w;
         waiting_r = lane.waiting_r.xyz;
         waiting_d = lane.waiting_d.xyz;
         waiting_weight = lane.waiting_weight.xyz;
@@ -174,322 +191,315 @@ void main() {
             path_index = atomicAdd(slice[VELUM_SLICE_BEGUN], 1u);
             if (path_index >= count) {
                 state = at_end;
-                left_m = 0.0;
-                s.left_m = 0.0;
-                s.most_1_m = 0.0;
                 break;
             }
             ++begun;
-            uint number = velum_reference_pixel_of(view.march_size.x + path_index / view.march_size.z, view.steps.y);
-            if (number >= pixel_count) {
+            ivec2 pixel = pixel_of(path_index);
+            if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
                 ++finished;
                 break;
             }
-            ivec2 pixel = ivec2(int(number % view.size.x), int(number / view.size.x));
-            key = velum_hash_4(number, view.march_size.w + path_index % view.march_size.z, view.frame.w, 0x7261790au);
+            key = velum_hash_4(uint(pixel.y) * view.size.x + uint(pixel.x), view.march_size.w + path_index % view.march_size.z, view.frame.w, 0x7261790au);
             drawn = 0u;
             view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
-            r = origin = ray.origin;
+            r = ray.origin;
             d = ray.direction;
-            left_m = ray_length(r, d, false, grounded);
+            left_m = view_length(r, d, grounded);
             float host_m = host_distance(pixel, ray);
-            host_solid = host_m >= 0.0;
-            grounded = grounded && !host_solid;
-            left_m = host_solid ? min(host_m, left_m) : left_m;
+            grounded = grounded && host_m < 0.0;
+            left_m = host_m >= 0.0 ? min(host_m, left_m) : left_m;
             ray_m = 0.0;
-            s.left_m = s.tile_m = 0.0;
             light = vec3(0.0);
             order = 0;
-            through = vec3(1.0);
+            tracked = vec3(1.0);
+            dim = 0.05;
             through_cloud = 1.0;
             chosen_sum = 0.0;
             cloud_m = 0.0;
             cloud_weight = 0.0;
             waiting = false;
             state = at_view;
+            ray_from(r, d, state);
         }
 
-        for (int once = s.left_m <= 0.0 && left_m > 0.0 ? 0 : 1; once < 1; ++once) {
-            s = stretch_from(r, d, left_m, s, missing);
-        }
+        bool collides = false; /* at r, with `medium`; tracked is the weight of what scatters */
+        bool over = left_m <= 0.0;
+        bool ends = false; /* a flight has led nowhere */
+        bool tracks = !over && state != at_start && state != at_end;
+        for (int i = 0; i < tracking_rounds && tracks; ++i) {
+            float step_m;
+            float bound_1_m;
+            int slot;
+            bool by_air = velum_has_air && air_m < left_m;
+            bool meets = cloud_advance(-log(1.0 - draw()), by_air ? air_m : left_m, draw(), step_m, bound_1_m, slot);
+            over = !meets && !by_air;
+            by_air = !meets && by_air;
+            r += d * step_m;
+            ray_m += step_m;
+            left_m -= step_m;
+            air_m -= step_m;
+            tracks = !over;
+            samples += tracks && state != at_sun ? 1u : 0u;
+            light_samples += tracks && state == at_sun ? 1u : 0u;
 
-        float step_m = s.most_1_m > 0.0 ? -log(1.0 - draw()) / s.most_1_m : far_m;
-        bool inside = step_m < s.left_m;
-        step_m = inside ? step_m : s.left_m;
-        r += d * step_m;
-        ray_m += step_m;
-        left_m = inside ? left_m - step_m : (s.left_m >= left_m ? 0.0 : left_m - s.left_m);
-        s.left_m = inside ? s.left_m - step_m : 0.0;
-        s.tile_m = max(s.tile_m - step_m, 0.0);
-
-        bool collides = false; /* at r, with `medium`; weight is that of what scatters */
-        bool ends = false;     /* a flight has led nowhere */
-        bool scatters = false; /* the sun has been seen to */
-
-        for (int once = inside ? 0 : 1; once < 1; ++once) {
-            matter m = matter_at(r, s, draw());
-            samples += state == at_sun ? 0u : 1u;
-            light_samples += state == at_sun ? 1u : 0u;
-            vec3 extinction = m.rayleigh + m.air_loss + vec3(m.aerosol + m.haze + m.fog + m.cloud + m.cloud_loss);
-            float most = s.most_1_m;
-            vec3 kept = 1.0 - extinction / most;
-            above += any(lessThan(kept, vec3(-1e-3))) ? 1u : 0u;
-
-            for (int sun = state == at_sun ? 0 : 1; sun < 1; ++sun) {
-                sun_light *= kept;
-                float size = max(abs(sun_light.r), max(abs(sun_light.g), abs(sun_light.b)));
-                float whole = max(max(eye.sun_lx.r, eye.sun_lx.g), eye.sun_lx.b);
-                /* Roulette: what is dim is dropped most of the time, and else counts for more. */
-                if (size < 0.02 * view.march.w * whole) {
-                    bool stays = draw() < 0.25;
-                    sun_light *= stays ? 4.0 : 0.0;
-                    left_m = stays ? left_m : 0.0;
-                }
-                if (size == 0.0) {
-                    left_m = 0.0;
-                }
-                s.left_m = left_m > 0.0 ? s.left_m : 0.0;
-            }
-            for (int own = state == at_sun ? 1 : 0; own < 1; ++own) {
-                vec3 base = state == at_view ? through : weight;
-                float of_cloud = mean(base) * m.cloud;
-                float of_rayleigh = mean(base * m.rayleigh);
-                float of_aerosol = mean(base) * m.aerosol;
-                float of_haze = mean(base) * m.haze;
-                float of_fog = mean(base) * m.fog;
-                float of_loss = mean(abs(base) * (m.air_loss + m.cloud_loss));
-                float of_none = mean(abs(base * kept)) * most;
-                float of_all = abs(of_cloud) + abs(of_rayleigh) + abs(of_aerosol) + abs(of_haze) + abs(of_fog);
-                float pick = draw() * of_all;
-                int which = m.slot;
-                vec3 scattering = vec3(m.cloud);
-                float of_which = of_cloud;
-                pick -= abs(of_cloud);
-                if (pick >= 0.0) {
-                    which = medium_rayleigh;
-                    scattering = m.rayleigh;
-                    of_which = of_rayleigh;
-                    pick -= abs(of_rayleigh);
-                }
-                if (pick >= 0.0) {
-                    which = medium_aerosol;
-                    scattering = vec3(m.aerosol);
-                    of_which = of_aerosol;
-                    pick -= abs(of_aerosol);
-                }
-                if (pick >= 0.0) {
-                    which = medium_haze;
-                    scattering = vec3(m.haze);
-                    of_which = of_haze;
-                    pick -= abs(of_haze);
-                }
-                if (pick >= 0.0) {
-                    which = medium_fog;
-                    scattering = vec3(m.fog);
-                    of_which = of_fog;
-                }
-                vec3 relative = base * scattering / max(abs(of_which), 1e-30);
+            /* Shares of what was tried for that scatter, by medium, are lost, and pass. */
+            for (int once = meets ? 0 : 1; once < 1; ++once) {
+                float extinction = clouds_at(slot, r, d, missing) / bound_1_m;
+                float kept = 1.0 - extinction;
+                above += kept < -1e-3 ? 1u : 0u;
+                float scattering = slot >= VELUM_SLOT_UNIFORM ? extinction * eye.slots[slot].optics.x : extinction;
+                float total = extinction + abs(kept);
+                float share = greatest(tracked) > 0.0 ? mean(abs(tracked)) * scattering : 0.0;
+                float event = draw();
+                bool picked = event * total < scattering;
                 if (state == at_view) {
-                    /* One of all collisions along the ray is kept, each with its share: a reservoir (Chao 1982). */
-                    float share = of_all / most;
                     chosen_sum += share;
-                    if (draw() * chosen_sum < share) {
-                        chosen_weight = relative;
-                        chosen_m = ray_m;
-                        chosen_medium = which;
+                    VELUM_CHOOSE_ONE(share, tracked / mean(abs(tracked)), slot)
+                    cloud_m += through_cloud * extinction * ray_m;
+                    cloud_weight += through_cloud * extinction;
+                    through_cloud *= kept;
+                }
+                collides = state == at_flight && picked;
+                ends = state == at_flight && !picked && event * total < extinction;
+                tracked *= state == at_flight ? (collides || kept > 0.0 ? total : -total) : kept;
+                medium = collides ? slot : medium;
+            }
+            if (velum_has_air) {
+                for (int once = by_air ? 0 : 1; once < 1; ++once) {
+                    velum_place place = place_of(r);
+                    for (int twice = air_1_m > 0.0 ? 0 : 1; twice < 1; ++twice) {
+                        air_matter m = air_at(place.height_m);
+                        float dust = m.aerosol + m.haze + m.fog;
+                        vec3 kept = 1.0 - (m.rayleigh + m.loss + vec3(dust)) / air_1_m;
+                        above += any(lessThan(kept, vec3(-1e-3))) ? 1u : 0u;
+                        float size = mean(tracked);
+                        float of_rayleigh = abs(mean(tracked * m.rayleigh)) / air_1_m;
+                        float of_dust = abs(size) * dust / air_1_m;
+                        float of_all = of_rayleigh + of_dust;
+                        float of_loss = mean(abs(tracked) * m.loss) / air_1_m;
+                        float total = of_all + of_loss + mean(abs(tracked * kept));
+                        float event = draw();
+                        float share = event * of_all; /* along the pixel's ray one is chosen in any case */
+                        event *= total;
+                        bool picked = event < of_all;
+                        event = state == at_view ? share : event;
+                        bool clean = event < of_rayleigh;
+                        float pick = (event - of_rayleigh) / max(of_dust, 1e-30) * dust;
+                        int which = clean                        ? medium_rayleigh
+                                    : pick < m.aerosol           ? medium_aerosol
+                                    : pick < m.aerosol + m.haze ? medium_haze
+                                                                 : medium_fog;
+                        vec3 relative = tracked * (clean ? m.rayleigh / max(of_rayleigh, 1e-30)
+                                                         : vec3(dust / max(of_dust, 1e-30))) / air_1_m;
+                        if (state == at_view) {
+                            chosen_sum += of_all;
+                            event = draw();
+                            VELUM_CHOOSE_ONE(of_all, relative, which)
+                        }
+                        collides = state == at_flight && picked;
+                        ends = state == at_flight && !picked && event < of_all + of_loss;
+                        vec3 passed = tracked * kept;
+                        passed *= state == at_flight ? total / max(mean(abs(passed)), 1e-30) : 1.0;
+                        tracked = collides ? relative * total : passed;
+                        medium = collides ? which : medium;
                     }
-                    float dense = through_cloud * (m.cloud + m.cloud_loss) / most;
-                    cloud_m += dense * ray_m;
-                    cloud_weight += dense;
-                    through_cloud *= 1.0 - (m.cloud + m.cloud_loss) / most;
-                    through *= kept;
-                    float size = max(abs(through.r), max(abs(through.g), abs(through.b)));
-                    if (size < 0.02) {
-                        bool stays = size > 0.0 && draw() < 0.25;
-                        through *= stays ? 4.0 : 0.0;
-                        through_cloud *= stays ? 4.0 : 0.0;
-                        left_m = stays ? left_m : 0.0;
-                        grounded = stays && grounded;
-                        s.left_m = left_m > 0.0 ? s.left_m : 0.0;
-                    }
-                } else {
-                    float total = of_all + of_loss + of_none;
-                    float event = draw() * total;
-                    if (event < of_all) {
-                        weight = relative * (total / most);
-                        medium = which;
-                        collides = true;
-                    } else if (event < of_all + of_loss) {
-                        ends = true;
-                    } else {
-                        weight = base * kept * (total / max(of_none, 1e-30));
-                    }
+                    air_from(place.height_m, dot(vec3(place.nx, place.ny, place.nz), d), state);
                 }
             }
+            /* Roulette: what is dim is dropped most of the time, and else counts for more. */
+            float size = greatest(tracked);
+            if (tracks && state != at_flight && size < dim) {
+                bool stays = size > 0.0 && draw() < 0.25;
+                tracked *= stays ? 4.0 : 0.0;
+                through_cloud *= state == at_sun ? 1.0 : stays ? 4.0 : 0.0;
+                grounded = grounded && stays;
+                over = over || !stays;
+            }
+            tracks = tracks && !collides && !ends && !over;
         }
 
         /* The end of a ray. */
-        bool from_ground = false;
-        bool over = left_m <= 0.0 && !collides && !ends;
+        bool sunlit = false; /* the sun has been seen to */
         if (over && state == at_view) {
-            vec3 out_through = through;
+            through = tracked;
             if (grounded && draws_ground) {
                 vec3 lit = through * eye.ground.rgb;
                 float share = mean(abs(lit));
                 chosen_sum += share;
-                if (draw() * chosen_sum < share) {
-                    chosen_weight = lit / share;
-                    chosen_m = ray_m;
-                    chosen_medium = medium_ground;
-                }
-                out_through = vec3(0.0);
+                float event = draw();
+                VELUM_CHOOSE_ONE(share, lit / share, medium_ground)
+                through = vec3(0.0);
             }
-            through = out_through;
+            chain = 0;
+            state = chosen_sum > 0.0 ? at_scatter : state;
             ends = chosen_sum <= 0.0;
-            collides = !ends;
-            weight = chosen_weight * chosen_sum;
-            medium = chosen_medium;
-            r = origin + d * chosen_m;
         } else if (over && state == at_flight) {
-            weight *= eye.ground.rgb;
-            collides = grounded && mean(abs(weight)) > 0.0;
+            tracked *= eye.ground.rgb;
+            collides = grounded && greatest(tracked) > 0.0;
             ends = !collides;
             medium = medium_ground;
         } else if (over && state == at_sun) {
-            light += sun_light;
-            scatters = true;
+            light += tracked;
+            sunlit = true;
+        }
+
+        for (int once = state == at_scatter ? 0 : 1; once < 1; ++once) {
+            view_ray ray = view_ray_at(vec2(pixel_of(path_index)) + 0.5 + view.scale.yz);
+            d = ray.direction;
+            vec4 one = chosen[0];
+            for (int i = 1; i < VELUM_REFERENCE_CHAINS; ++i) {
+                one = chain == i ? chosen[i] : one;
+            }
+            r = ray.origin + d * one.w;
+            tracked = one.xyz * (chosen_sum / float(VELUM_REFERENCE_CHAINS));
+            medium = int(((chain < 4 ? chosen_media.x : chosen_media.y) >> (8u * uint(chain & 3))) & 255u);
+            order = 0;
+            collides = true;
         }
 
         for (int once = collides ? 0 : 1; once < 1; ++once) {
             ++order;
-            incoming = d;
-            velum_place place = place_of(r);
-            vec3 normal = vec3(place.nx, place.ny, place.nz);
             bool on_ground = medium == medium_ground;
-            r -= on_ground ? normal * place.height_m : vec3(0.0);
-            float radius = max(eye.sun_lx.w, 1e-6);
-            float half_sine = sin(0.5 * radius);
-            vec3 sun = turned(eye.sun.xyz, draw() * 2.0 * half_sine * half_sine, draw());
-            float phase = velum_phase_lobes_turn(medium_phase(medium), turn_between(incoming, sun));
-            phase = on_ground ? max(dot(normal, sun), 0.0) / PI : phase;
-            sun_light = weight * eye.sun_lx.rgb * phase;
-            bool hidden;
-            float length_m = ray_length(r, sun, on_ground, hidden);
-            bool seen = !hidden && any(greaterThan(abs(sun_light), vec3(0.0)));
-            d = sun;
-            left_m = seen ? length_m : 0.0;
-            origin = r; /* of the collision, to come back to */
-            s.left_m = s.tile_m = 0.0;
-            state = at_sun;
-            if (seen && length_m <= 0.0) {
-                light += sun_light;
-            }
-            scatters = !(seen && length_m > 0.0);
-        }
-
-        for (int once = scatters ? 0 : 1; once < 1; ++once) {
-            r = origin;
-            from_ground = medium == medium_ground;
-            /* Half of those that have come so far go on, at each power of two. */
-            bool fork = order >= 4096 && (order & (order - 1)) == 0;
-            bool dropped = order == greatest_order || (fork && draw() < 0.5);
-            weight *= fork ? 2.0 : 1.0;
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
+            r -= on_ground ? normal * place.height_m : vec3(0.0);
+            origin = r;
             velum_phase_lobes lobes = medium_phase(medium);
-            float choice = draw();
-            float u = draw();
-            float round = draw();
-            float turn = 0.0;
-            for (int air = from_ground ? 1 : 0; air < 1; ++air) {
-                turn = velum_phase_lobes_sample(lobes, choice, u);
+
+            float half_sine = sin(0.5 * max(eye.sun_lx.w, 1e-6));
+            vec3 sun = turned(eye.sun.xyz, draw() * 2.0 * half_sine * half_sine, draw());
+            float rise = dot(normal, sun);
+            float phase = on_ground ? max(rise, 0.0) / PI : velum_phase_lobes_turn(lobes, turn_between(d, sun));
+            /* What the sun's light is worth here, over light scattered evenly: so often it is looked for. */
+            float whole_weight = chosen_sum / float(VELUM_REFERENCE_CHAINS);
+            float worth = 4.0 * PI * phase * mean(abs(tracked)) / whole_weight;
+            float look = order == 1 ? 1.0 : min(worth * sun_worth, 1.0);
+            bool looks = draw() < look && worth > 0.0;
+            vec3 sun_light = tracked * eye.sun_lx.rgb * (phase / max(look, 1e-30));
+
+            /* Half of those that have come so far go on, at each power of two. */
+            bool fork = order >= first_fork && (order & (order - 1)) == 0;
+            next = order != greatest_order && !(fork && draw() < 0.5);
+            next_weight = tracked * (fork ? 2.0 : 1.0);
+            float turn = 1.0 - sqrt(draw());
+            vec3 axis = normal;
+            for (int lobed = on_ground ? 1 : 0; lobed < 1; ++lobed) {
+                turn = lobes_turn(lobes);
+                axis = d;
             }
-            float cosine = sqrt(u);
-            turn = from_ground ? 1.0 - cosine : turn;
-            d = turned(from_ground ? normal : incoming, turn, round);
+            /* Lambert's cosine is drawn as its own 1 - cos. */
+            next_d = turned(axis, turn, draw());
             /* The forward peak of what comes next makes directions near the sun's rare and bright. A second flight is
              * drawn about the sun now and then, and the two share what both can give (balance heuristic, Veach 1995). */
-            for (int branch = branching > 0.0 && !waiting && !dropped ? 0 : 1; branch < 1; ++branch) {
-                float own = from_ground ? max(dot(normal, d), 0.0) / PI
-                                        : velum_phase_lobes_turn(lobes, turn_between(incoming, d));
-                float lobe = velum_phase_hg_turn(turn_between(d, eye.sun.xyz), branch_g);
-                vec3 whole = weight;
-                weight = whole * (own / (own + branching * lobe));
-                float about = draw();
-                float b_u = draw();
-                float b_round = draw();
-                if (about < branching) {
-                    vec3 to = turned(eye.sun.xyz, velum_phase_hg_sample(branch_g, b_u), b_round);
-                    float b_own = from_ground ? max(dot(normal, to), 0.0) / PI
-                                              : velum_phase_lobes_turn(lobes, turn_between(incoming, to));
-                    float b_lobe = velum_phase_hg_turn(turn_between(to, eye.sun.xyz), branch_g);
+            bool clouded = medium < VELUM_SLOT_COUNT;
+            float rate = branching * (clouded ? min(worth * sun_worth, 1.0) : outside_branching);
+            velum_phase_lobes sunward = medium_phase(clouded ? medium : int(view.march.y));
+            for (int branch = rate > 0.0 && next ? 0 : 1; branch < 1; ++branch) {
+                float given = on_ground ? max(dot(normal, next_d), 0.0) / PI
+                                        : velum_phase_lobes_turn(lobes, turn_between(d, next_d));
+                float lobe = velum_phase_lobes_turn(sunward, turn_between(next_d, eye.sun.xyz));
+                /* One flight waits at most: beyond that one of the two is drawn. */
+                float either = waiting ? 1.0 + rate : 1.0;
+                vec3 whole = next_weight * either;
+                next_weight = whole * (given / (given + rate * lobe));
+                if (draw() * either < rate) {
+                    vec3 to = turned(eye.sun.xyz, lobes_turn(sunward), draw());
+                    given = on_ground ? max(dot(normal, to), 0.0) / PI : velum_phase_lobes_turn(lobes, turn_between(d, to));
+                    lobe = velum_phase_lobes_turn(sunward, turn_between(to, eye.sun.xyz));
+                    waiting_r = waiting ? waiting_r : r;
+                    waiting_d = waiting ? waiting_d : next_d;
+                    waiting_weight = waiting ? waiting_weight : next_weight;
+                    waiting_order = waiting ? waiting_order : order;
+                    waiting_from_ground = waiting ? waiting_from_ground : on_ground;
                     waiting = true;
-                    waiting_r = r;
-                    waiting_d = d;
-                    waiting_weight = weight;
-                    waiting_order = order;
-                    waiting_from_ground = from_ground;
-                    d = to;
-                    weight = whole * (b_own / (b_own + branching * b_lobe));
+                    next_d = to;
+                    next_weight = whole * (given / (given + rate * lobe));
                 }
             }
             /* Roulette of what carries little, as seen by what it can still bring. */
-            float worth = mean(abs(weight));
-            if (branching > 0.0) {
-                worth *= 1.0 + 6.0 * velum_phase_hg_turn(turn_between(d, eye.sun.xyz), branch_g);
+            float bears = mean(abs(next_weight)) / whole_weight;
+            if (clouded) {
+                bears *= 1.0 + 6.0 * velum_phase_lobes_turn(sunward, turn_between(next_d, eye.sun.xyz));
             }
-            if (!dropped && worth < view.march.w) {
-                float stay = max(worth / view.march.w, 1e-6);
-                dropped = draw() >= stay;
-                weight /= stay;
+            if (bears < view.march.w) {
+                float stay = max(bears / view.march.w, 1e-6);
+                next = next && draw() < stay;
+                next_weight /= stay;
             }
-            left_m = ray_length(r, d, from_ground, grounded);
-            s.left_m = s.tile_m = 0.0;
-            state = at_flight;
-            ends = dropped || left_m <= 0.0;
+
+            /* To the sun first. */
+            bool hidden = on_ground && rise <= 0.0;
+            for (int seen = looks && !hidden ? 0 : 1; seen < 1; ++seen) {
+                left_m = ray_length(r, sun, normal, on_ground, hidden);
+            }
+            sunlit = !looks || hidden;
+            d = sun;
+            tracked = sun_light;
+            dim = 0.1 * greatest(sun_light);
+            grounded = false;
+            state = at_sun;
+            ray_from(r, d, state);
         }
 
+        bool flies = false;
+        bool from_ground = medium == medium_ground;
+        if (sunlit) {
+            r = origin;
+            d = next_d;
+            tracked = next_weight;
+            flies = next;
+            ends = !next;
+        }
+        if (ends && waiting) {
+            waiting = false;
+            r = waiting_r;
+            d = waiting_d;
+            tracked = waiting_weight;
+            order = waiting_order;
+            from_ground = waiting_from_ground;
+            flies = true;
+            ends = false;
+        }
+        for (int once = flies ? 0 : 1; once < 1; ++once) {
+            velum_place place = place_of(r);
+            left_m = ray_length(r, d, vec3(place.nx, place.ny, place.nz), from_ground, grounded);
+            state = at_flight;
+            ray_from(r, d, state);
+        }
+        if (ends && chosen_sum > 0.0 && chain + 1 < VELUM_REFERENCE_CHAINS) {
+            ++chain;
+            state = at_scatter;
+            ends = false;
+        }
         for (int once = ends ? 0 : 1; once < 1; ++once) {
-            if (waiting) {
-                waiting = false;
-                r = waiting_r;
-                d = waiting_d;
-                weight = waiting_weight;
-                order = waiting_order;
-                left_m = ray_length(r, d, waiting_from_ground, grounded);
-                s.left_m = s.tile_m = 0.0;
-                state = at_flight;
-                /* Nothing to fly through: the next round ends it. */
-            } else {
-                vec4 a = vec4(light, cloud_m);
-                vec4 b = vec4(through, cloud_weight);
-                paths[path_index].light = is_bad(a) ? vec4(0.0) : a;
-                paths[path_index].through = is_bad(b) ? vec4(0.0) : b;
-                ++finished;
-                state = at_start;
-                left_m = 0.0;
-                s.left_m = 0.0;
-                s.most_1_m = 0.0;
-            }
+            vec4 first = vec4(light, cloud_m);
+            vec4 second = vec4(through, cloud_weight);
+            paths[path_index].light = is_bad(first) ? vec4(0.0) : first;
+            paths[path_index].through = is_bad(second) ? vec4(0.0) : second;
+            ++finished;
+            state = at_start;
         }
     }
     for (int once = most_rounds < 0x7fffffffu ? 0 : 1; once < 1; ++once) {
         velum_reference_lane lane;
         lane.state = uvec4(uint(state), path_index, key, drawn);
-        lane.flags = uvec4(uint(order), uint(waiting_order), uint(medium) | (uint(chosen_medium) << 8u),
-                           (grounded ? 1u : 0u) | (host_solid ? 2u : 0u) | (waiting ? 4u : 0u) |
+        lane.flags = uvec4(uint(order), uint(waiting_order), uint(medium) | (uint(chain) << 8u),
+                           (grounded ? 1u : 0u) | (next ? 2u : 0u) | (waiting ? 4u : 0u) |
                                (waiting_from_ground ? 8u : 0u));
-        lane.tile = uvec4(s.slots, s.tile.entry, floatBitsToUint(s.tile_m), 0u);
         lane.r = vec4(r, left_m);
         lane.d = vec4(d, ray_m);
-        lane.stretch = vec4(s.left_m, s.most_1_m, chosen_m, cloud_weight);
-        lane.weight = vec4(weight, through_cloud);
+        lane.clear_0 = vec4(clear_m[0], clear_m[1], clear_m[2], clear_m[3]);
+        lane.clear_4 = vec4(clear_m[4], clear_m[5], clear_m[6], clear_m[7]);
+        lane.tracked = vec4(tracked, air_m);
         lane.light = vec4(light, chosen_sum);
-        lane.through = vec4(through, cloud_m);
-        lane.origin = vec4(origin, 0.0);
-        lane.chosen = vec4(chosen_weight, 0.0);
-        lane.incoming = vec4(incoming, 0.0);
-        lane.sun = vec4(sun_light, 0.0);
+        lane.through = vec4(through, through_cloud);
+        lane.origin = vec4(origin, cloud_m);
+        for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
+            lane.chosen[i] = chosen[i];
+        }
+        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), 0u);
+        lane.next_d = vec4(next_d, dim);
+        lane.next = vec4(next_weight, air_1_m);
         lane.waiting_r = vec4(waiting_r, 0.0);
         lane.waiting_d = vec4(waiting_d, 0.0);
         lane.waiting_weight = vec4(waiting_weight, 0.0);

@@ -2,17 +2,18 @@
 #extension GL_GOOGLE_include_directive : require
 /* The slice's paths into the means of their pixels, in order; then every pixel as it stands to the host's images. */
 #include "engine.glsl"
-#include "view.glsl"
 #include "shared/reference.h"
+layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) readonly buffer slice_buffer {
+    uint slice[VELUM_SLICE_WORDS];
+};
+#define VELUM_NOTHING slice[VELUM_SLICE_NOTHING]
+#include "view.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PATHS, std430) readonly buffer paths_buffer {
     velum_reference_path paths[];
 };
 layout(set = 1, binding = VELUM_BIND_REFERENCE_PIXELS, std430) buffer pixels_buffer {
     velum_reference_pixel pixels[];
-};
-layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) readonly buffer slice_buffer {
-    uint slice[VELUM_SLICE_WORDS];
 };
 #ifdef VELUM_LAYERED
 #define OUT_IMAGE image2DArray
@@ -38,7 +39,7 @@ void main() {
     if (view_flag(VELUM_VIEW_BLOCK_CUT)) {
         sum.light = sum.through = sum.distance = vec4(0.0);
     }
-    uint turn = velum_reference_pixel_of(number, view.steps.y);
+    uint turn = velum_reference_turn_of(uint(pixel.x), uint(pixel.y), view.steps.y, view.size.x);
     uint all = view.march_size.y * view.march_size.z;
     bool complete = slice[VELUM_SLICE_DONE] == all && slice[VELUM_SLICE_TAKEN] != all;
     bool own = complete && turn >= view.march_size.x && turn < view.march_size.x + view.march_size.y;

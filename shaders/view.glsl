@@ -29,6 +29,12 @@ ivec2 ray_turn(int row) {
     return ivec2(view.turn.x ^ (uint(row) & view.turn.z), view.turn.y);
 }
 
+/* 0, but lavapipe does not know: it compiles a shader anew for each dispatch, where conditions depend on uniforms alone
+ * and much would fall away with them. */
+#ifndef VELUM_NOTHING
+#define VELUM_NOTHING 0u
+#endif
+
 struct view_ray {
     vec3 origin; /* offset from the eye */
     vec3 direction;
@@ -36,7 +42,7 @@ struct view_ray {
 };
 
 bool view_flag(uint flag) {
-    return (view.frame.y & flag) != 0u;
+    return ((view.frame.y + VELUM_NOTHING) & flag) != 0u;
 }
 
 /* Through a point of the picture, in pixels from its upper left corner. */
@@ -66,7 +72,7 @@ float host_distance(ivec2 pixel, view_ray ray) {
     float d = texelFetch(depth_image, pixel + ivec2(view.size.zw), 0).r;
     float near = view.depth.y;
     float far = view.depth.z;
-    int convention = int(view.depth.x);
+    int convention = int(view.depth.x) + int(VELUM_NOTHING);
     float z;
     if (convention == 3) {
         return d > 0.0 && !isinf(d) ? d : -1.0;

@@ -123,18 +123,21 @@ velum_slot_fields page_fields(uint page, vec2 uv) {
     return f;
 }
 
-/* `wanted` false: no such place in the table; coverage 0. */
-velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
-    uint word = wanted ? place.entry + VELUM_TABLE_PAGES + uint(slot) : 0u;
-    uint pages = wanted ? table[word] : (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE;
-    velum_slot_fields f = page_fields(pages & 0xffffu, place.uv);
+velum_slot_fields slot_fields_of(uint pages, vec2 uv) {
+    velum_slot_fields f = page_fields(pages & 0xffffu, uv);
     if (velum_mixes) {
-        velum_slot_fields g = page_fields(pages >> 16u, place.uv);
+        velum_slot_fields g = page_fields(pages >> 16u, uv);
         if ((pages >> 16u) != (pages & 0xffffu)) {
             f = velum_fields_mix(f, g, eye.weather.y);
         }
     }
     return f;
+}
+
+/* `wanted` false: no such place in the table; coverage 0. */
+velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
+    uint word = wanted ? place.entry + VELUM_TABLE_PAGES + uint(slot) : 0u;
+    return slot_fields_of(wanted ? table[word] : (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE, place.uv);
 }
 
 vec3 noise_place(vec3 r, vec4 phase, float stretch) {

@@ -8,29 +8,48 @@
 #define VELUM_BIND_REFERENCE_PATHS 1  /* storage: velum_reference_path for each path of the slice */
 #define VELUM_BIND_REFERENCE_PIXELS 2 /* storage: velum_reference_pixel for each pixel of the view */
 #define VELUM_BIND_REFERENCE_BOUNDS 3 /* storage: velum_page_bounds for each page */
-#define VELUM_BIND_REFERENCE_NOISE 4  /* storage: greatest values of the noises, VELUM_NOISE_* */
+#define VELUM_BIND_REFERENCE_NOISE 4  /* storage: how steep the shape noise is, VELUM_SLOPE_* */
 #define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
 #define VELUM_BIND_REFERENCE_ERROR 6 /* storage: VELUM_SLICE_* */
-#define VELUM_BIND_REFERENCE_LANES                                                                                     \
-    7 /* storage: velum_reference_lane for each invocation, where they are interrupted                                 \
-       */
+#define VELUM_BIND_REFERENCE_LANES 7 /* storage: velum_reference_lane for each invocation, where they are interrupted  \
+                                      */
 
-/* Greatest values of the noises, a byte each, 255: 1, where filtering can read them: between the centres of
- * neighbouring texels of the shape; over blocks of 8 such cells a side; between those of the detail. Places in bytes.
- */
-#define VELUM_NOISE_SHAPE_CELLS 128
-#define VELUM_NOISE_SHAPE_BLOCKS 16
-#define VELUM_NOISE_DETAIL_CELLS 32
-#define VELUM_NOISE_BLOCKS_AT (128 * 128 * 128)
-#define VELUM_NOISE_DETAIL_AT (VELUM_NOISE_BLOCKS_AT + 16 * 16 * 16)
-#define VELUM_NOISE_MOST_BYTES (VELUM_NOISE_DETAIL_AT + 32 * 32 * 32)
+/* How steep the shape noise is about the cells between the centres of its texels, a byte each: change of filtered rank
+ * over a period, within a radius. */
+#define VELUM_SLOPE_SIDE 128
+#define VELUM_SLOPE_BYTES (128 * 128 * 128)
+#define VELUM_SLOPE_CELLS 2
+#define VELUM_SLOPE_RADIUS 0.0156f /* 2 cells of the period, less what rounding takes */
+#define VELUM_SLOPE_UNIT 0.5f
+/* What filtering with few digits may add to a rank. */
+#define VELUM_SLOPE_SLACK 0.006f
+
+/* How far away the shape noise reaches a rank: a byte for each cell, two texels wide, at each of some ranks. They
+ * follow the slopes in the same buffer. */
+#define VELUM_AWAY_SIDE 64
+#define VELUM_AWAY_LEVELS 16
+#define VELUM_AWAY_BYTES (VELUM_AWAY_LEVELS * 64 * 64 * 64)
+#define VELUM_AWAY_UNIT 0.25f
+VELUM_FN float velum_away_rank(int level) {
+    float low = 1.0f - VELUM_TO_FLOAT(level) * (1.0f / 16.0f);
+    return 1.0f - low * low;
+}
+
+#define VELUM_PARTS 4
 
 /* What holds for a slot anywhere in a page. */
 VELUM_STRUCT(velum_page_bounds) {
-    VELUM_VEC4(most);   /* effective coverage; extinction before height is counted, 1/m; growth; reach, lowest */
+    VELUM_VEC4(most);   /* effective coverage; extinction, 1/m; reach, lowest; power, highest */
     VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */
-    VELUM_VEC4(shape);  /* greatest power; least softness, amplitude and foot */
+    VELUM_VEC4(shape);  /* change over a metre at most: of wind, 1/s; of coverage; of base and top together, m; 0 */
+    VELUM_UVEC4(
+        even); /* a bit for each part whose texels, with those next to them, are all like one; that texel; 0, 0 */
+    VELUM_UVEC4(parts); /* a byte for each of VELUM_PARTS^2 parts of the page, a word for each row: effective coverage
+                           at most, in it and those around it, over that of the page; 255: 1 */
 };
+
+/* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 8 at most. */
+#define VELUM_REFERENCE_CHAINS 4
 
 /* What one path found. */
 VELUM_STRUCT(velum_reference_path) {
@@ -42,20 +61,25 @@ VELUM_STRUCT(velum_reference_path) {
 VELUM_STRUCT(velum_reference_lane) {
     VELUM_UVEC4(state);  /* what it is at; path; key; drawn */
     VELUM_UVEC4(flags);  /* order, order that waits; media (newest, chosen); bits */
-    VELUM_UVEC4(tile);   /* slots, table entry, rest of the tile (a float), 0 */
     VELUM_VEC4(r);       /* w: rest of the ray */
     VELUM_VEC4(d);       /* w: along the pixel's ray */
-    VELUM_VEC4(stretch); /* rest, bound; chosen distance; weight of cloud */
-    VELUM_VEC4(weight);  /* w: transmittance of cloud */
+    VELUM_VEC4(clear_0); /* of slots 0 to 3 */
+    VELUM_VEC4(clear_4); /* of slots 4 to 7 */
+    VELUM_VEC4(tracked); /* w: to where air is looked at */
     VELUM_VEC4(light);   /* w: sum of what could be chosen */
-    VELUM_VEC4(through); /* w: distance of cloud */
-    VELUM_VEC4(origin);
-    VELUM_VEC4(chosen);
-    VELUM_VEC4(incoming);
-    VELUM_VEC4(sun);
+    VELUM_VEC4(through); /* w: transmittance of cloud */
+    VELUM_VEC4(origin);  /* w: distance of cloud */
+    VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); 0 */
+    VELUM_VEC4(next_d);  /* w: below which roulette begins */
+    VELUM_VEC4(next);    /* weight; bound of air */
     VELUM_VEC4(waiting_r);
     VELUM_VEC4(waiting_d);
     VELUM_VEC4(waiting_weight);
+#ifdef VULKAN
+    vec4 chosen[VELUM_REFERENCE_CHAINS]; /* weight, distance */
+#else
+    float chosen[VELUM_REFERENCE_CHAINS][4];
+#endif
 };
 
 /* Means over the paths of a pixel. */
@@ -65,28 +89,52 @@ VELUM_STRUCT(velum_reference_pixel) {
     VELUM_VEC4(distance); /* distance of cloud times its weight, its weight, 0, 0 */
 };
 
-/* Which pixel has which turn, and which turn a pixel has: both ways the same, over side^2 >= pixels, so that any run of
- * turns is spread over the picture and costs what any other does. */
-VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side) {
-    return (turn % side) * side + turn / side;
+/* Pixels take turns in blocks, so that lanes that work side by side see much the same; blocks follow one another far
+ * apart, so that any run of turns is spread over the picture. `side`: of a square of blocks that holds all. */
+#define VELUM_REFERENCE_BLOCK_W 8u
+#define VELUM_REFERENCE_BLOCK_H 4u
+#define VELUM_REFERENCE_BLOCK 32u
+VELUM_FN VELUM_UINT velum_reference_blocks(VELUM_UINT width, VELUM_UINT height) {
+    return ((width + VELUM_REFERENCE_BLOCK_W - 1u) / VELUM_REFERENCE_BLOCK_W) *
+           ((height + VELUM_REFERENCE_BLOCK_H - 1u) / VELUM_REFERENCE_BLOCK_H);
+}
+/* Its own inverse. */
+VELUM_FN VELUM_UINT velum_reference_block_turn(VELUM_UINT block, VELUM_UINT side) {
+    return (block % side) * side + block / side;
+}
+/* x, y in one number, y * 65536 + x: outside the picture where no pixel has the turn. */
+VELUM_FN VELUM_UINT velum_reference_pixel_of(VELUM_UINT turn, VELUM_UINT side, VELUM_UINT width) {
+    VELUM_UINT block = velum_reference_block_turn(turn / VELUM_REFERENCE_BLOCK, side);
+    VELUM_UINT within = turn % VELUM_REFERENCE_BLOCK;
+    VELUM_UINT columns = (width + VELUM_REFERENCE_BLOCK_W - 1u) / VELUM_REFERENCE_BLOCK_W;
+    VELUM_UINT x = block % columns * VELUM_REFERENCE_BLOCK_W + within % VELUM_REFERENCE_BLOCK_W;
+    VELUM_UINT y = block / columns * VELUM_REFERENCE_BLOCK_H + within / VELUM_REFERENCE_BLOCK_W;
+    return y * 65536u + x;
+}
+VELUM_FN VELUM_UINT velum_reference_turn_of(VELUM_UINT x, VELUM_UINT y, VELUM_UINT side, VELUM_UINT width) {
+    VELUM_UINT columns = (width + VELUM_REFERENCE_BLOCK_W - 1u) / VELUM_REFERENCE_BLOCK_W;
+    VELUM_UINT block = y / VELUM_REFERENCE_BLOCK_H * columns + x / VELUM_REFERENCE_BLOCK_W;
+    return velum_reference_block_turn(block, side) * VELUM_REFERENCE_BLOCK +
+           y % VELUM_REFERENCE_BLOCK_H * VELUM_REFERENCE_BLOCK_W + x % VELUM_REFERENCE_BLOCK_W;
 }
 
 /* In velum_view_block, of the reference: march_size: first turn of the slice, turns, paths for each, number of the
  * first path; steps: greatest order (0: all), side of the turns, 1: lanes go on, rounds of a lane's
  * loop at most; march: branches for each collision, asymmetry of their
- * lobe, unused, worth below which roulette begins. */
+ * lobe, slope of the detail noise, worth below which roulette begins. */
 
 /* Words of a frame's counters: rays, samples, light samples, missing tiles; samples above their majorant. */
 #define VELUM_COUNTER_WORDS 8
 #define VELUM_COUNTER_ABOVE 4
 
 /* Words of a view's slice, which may take several frames: paths begun, done, done when last the pixels took them in;
- * relative error (a float). */
+ * relative error (a float); 0. */
 #define VELUM_SLICE_BEGUN 0
 #define VELUM_SLICE_DONE 1
 #define VELUM_SLICE_TAKEN 2
 #define VELUM_SLICE_ERROR 3
-#define VELUM_SLICE_WORDS 4
+#define VELUM_SLICE_NOTHING 4
+#define VELUM_SLICE_WORDS 5
 
 /* Invocations of a work group of the tracer. */
 #define VELUM_REFERENCE_GROUP 64

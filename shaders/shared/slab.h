@@ -60,7 +60,8 @@ VELUM_FN float velum_mean_transmittance(float depth) {
     return depth < 0.01f ? 1.0f - depth * (0.5f - depth * (1.0f / 6.0f)) : (1.0f - through) / depth;
 }
 
-/* Means over a step of optical depth `depth`, each place weighted by the share of its light that leaves the near end. */
+/* Means over a step of optical depth `depth`, each place weighted by the share of its light that leaves the near end.
+ */
 VELUM_STRUCT(velum_slab_light) {
     float direct;  /* exp(-d), d being the depth from there towards the sun */
     float diffuse; /* 1 / (1 + fall d) */

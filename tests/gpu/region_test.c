@@ -1,6 +1,7 @@
 /* A small region of cloud is seen from afar, whole, as the CPU's query says that it is. */
 #include <math.h>
 
+#include "core/oracle.h"
 #include "fixture.h"
 
 enum { WIDTH = 32, HEIGHT = 8, SETTLE = 32 };
@@ -54,7 +55,8 @@ static double agreement(fixture *f, velum_view *view, double half_m, double dist
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         double x = (double)tan_x * (2.0 * (i % WIDTH + 0.5) / WIDTH - 1.0);
         double y = (double)tan_x * HEIGHT / WIDTH * (1.0 - 2.0 * (i / WIDTH + 0.5) / HEIGHT);
-        velum_line_query line = {.struct_size = sizeof line, .footprint_m = 2.0 * (double)tan_x * distance_m / WIDTH};
+        /* The march too goes by distance, however wide the pixels are. */
+        velum_line_query line = {.struct_size = sizeof line, .footprint_m = CORE_ORACLE_PIXEL_RAD * distance_m};
         velum_line_answer answer = {.struct_size = sizeof answer};
         for (int k = 0; k < 3; k++) {
             line.from_ecef_m[k] = eye.position_ecef_m[k];

@@ -18,7 +18,9 @@ static float unit(uint32_t *state) {
 
 /* Any rank, lump and fine noise that a column can have. */
 static void look(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random, float *most) {
-    velum_slot_fields f = core_tile_sample(tile, slot, unit(random), unit(random));
+    float u = unit(random);
+    float v = unit(random);
+    velum_slot_fields f = core_tile_sample(tile, slot, u, v);
     if (f.coverage <= 0.0f) {
         return;
     }
@@ -31,17 +33,18 @@ static void look(const core_tile *tile, uint32_t slot, const velum_page_bounds *
         return;
     }
     assert_true(height_m >= bounds->height[0] - 0.01f && height_m <= bounds->height[3] + 0.01f);
-    float bound = bounds->most[1];
     if (slot < VELUM_SLOT_UNIFORM) {
-        /* As reference_cell.glsl, for the whole of the layer. */
-        float excess = (rank - 1.0f + bounds->most[0]) / bounds->most[0];
-        float carved = excess - bounds->shape[2] * bounds->shape[3] * fmaxf(0.6f - lump, 0.0f);
-        assert_true(carved > 0.0f);
-        float top = fminf(powf(excess / bounds->most[3], 1.0f / bounds->shape[0]), 1.0f);
-        assert_true(height_m <= velum_mix(bounds->height[1], bounds->height[3], top) + 0.01f);
-        bound *= (1.0f + bounds->most[2] * 0.6f) * velum_smoothstep(0.0f, bounds->shape[1], carved);
+        /* As reference_bounds.glsl: columns reach so high only where their rank is greater. */
+        float climb = fmaxf(bounds->height[3] - bounds->height[1], 1.0f);
+        float high = fminf(fmaxf((height_m - bounds->height[1]) / climb, 0.0f), 1.0f);
+        float cover = bounds->most[0];
+        assert_true(rank > 1.0f - cover + cover * bounds->most[2] * powf(high, bounds->most[3]) - 1e-4f);
+        float own = f.coverage * velum_profile_of((int)slot, f).coverage_scale;
+        int x = (int)(u * VELUM_PARTS);
+        int y = (int)(v * VELUM_PARTS);
+        assert_true(own <= cover * (float)(bounds->parts[y] >> 8 * x & 255u) / 255.0f + 1e-5f);
     }
-    assert_true(extinction <= bound * 1.0005f);
+    assert_true(extinction <= bounds->most[1] * 1.0005f);
     *most = fmaxf(*most, extinction);
 }
 
