@@ -17,8 +17,8 @@ enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 256, SOFTWARE_PATHS = 4096 };
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
 /* Fewer flights about the sun are drawn than collisions. */
-#define BRANCHES 0.5f
-#define WORTH 0.1f
+#define BRANCHES 0.3f
+#define WORTH 0.2f
 
 velum_result reference_enable(engine *e) {
     gpu *g = &e->g;

@@ -113,13 +113,9 @@ void main() {
     vec3 next_d = vec3(0.0);
     vec3 next_weight = vec3(0.0);
     bool next = false;
-    /* Waits while a sunward branch is followed. */
-    bool waiting = false;
-    vec3 waiting_r = vec3(0.0);
-    vec3 waiting_d = vec3(0.0);
-    vec3 waiting_weight = vec3(0.0);
-    int waiting_order = 0;
-    bool waiting_from_ground = false;
+    /* Flights that wait while branches from them are followed, the newest last. */
+    velum_reference_flight flights[VELUM_REFERENCE_FLIGHTS];
+    int waiting = 0;
 
     uint samples = 0u;
     uint light_samples = 0u;
@@ -145,13 +141,11 @@ void main() {
         key = lane.state.z;
         drawn = lane.state.w;
         order = int(lane.flags.x);
-        waiting_order = int(lane.flags.y);
+        waiting = int(lane.flags.y);
         medium = int(lane.flags.z & 255u);
         chain = int(lane.flags.z >> 8u);
         grounded = (lane.flags.w & 1u) != 0u;
         next = (lane.flags.w & 2u) != 0u;
-        waiting = (lane.flags.w & 4u) != 0u;
-        waiting_from_ground = (lane.flags.w & 8u) != 0u;
         r = lane.r.xyz;
         left_m = lane.r.w;
         d = lane.d.xyz;
@@ -181,9 +175,9 @@ void main() {
         next_weight = lane.next.xyz;
         dim = lane.next_d.w;
         air_1_m = lane.next.w;
-        waiting_r = lane.waiting_r.xyz;
-        waiting_d = lane.waiting_d.xyz;
-        waiting_weight = lane.waiting_weight.xyz;
+        for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {
+            flights[i] = lane.flights[i];
+        }
     }
 
     for (uint round = 0u; state != at_end && round < most_rounds; ++round) {
@@ -217,7 +211,7 @@ void main() {
             chosen_sum = 0.0;
             cloud_m = 0.0;
             cloud_weight = 0.0;
-            waiting = false;
+            waiting = 0;
             state = at_view;
             ray_from(r, d, state);
         }
@@ -225,7 +219,7 @@ void main() {
         bool collides = false; /* at r, with `medium`; tracked is the weight of what scatters */
         bool over = left_m <= 0.0;
         bool ends = false; /* a flight has led nowhere */
-        bool tracks = !over && state != at_start && state != at_end;
+        bool tracks = !over && state != at_start && state != at_scatter && state != at_end;
         for (int i = 0; i < tracking_rounds && tracks; ++i) {
             float step_m;
             float bound_1_m;
@@ -398,20 +392,24 @@ void main() {
                 float given = on_ground ? max(dot(normal, next_d), 0.0) / PI
                                         : velum_phase_lobes_turn(lobes, turn_between(d, next_d));
                 float lobe = velum_phase_lobes_turn(sunward, turn_between(next_d, eye.sun.xyz));
-                /* One flight waits at most: beyond that one of the two is drawn. */
-                float either = waiting ? 1.0 + rate : 1.0;
+                /* Where no more can wait one of the two is drawn. */
+                float either = waiting == VELUM_REFERENCE_FLIGHTS ? 1.0 + rate : 1.0;
                 vec3 whole = next_weight * either;
                 next_weight = whole * (given / (given + rate * lobe));
                 if (draw() * either < rate) {
                     vec3 to = turned(eye.sun.xyz, lobes_turn(sunward), draw());
                     given = on_ground ? max(dot(normal, to), 0.0) / PI : velum_phase_lobes_turn(lobes, turn_between(d, to));
                     lobe = velum_phase_lobes_turn(sunward, turn_between(to, eye.sun.xyz));
-                    waiting_r = waiting ? waiting_r : r;
-                    waiting_d = waiting ? waiting_d : next_d;
-                    waiting_weight = waiting ? waiting_weight : next_weight;
-                    waiting_order = waiting ? waiting_order : order;
-                    waiting_from_ground = waiting ? waiting_from_ground : on_ground;
-                    waiting = true;
+                    velum_reference_flight first;
+                    first.r = vec4(r, float(order));
+                    first.d = vec4(next_d, on_ground ? 1.0 : 0.0);
+                    first.weight = vec4(next_weight, 0.0);
+                    for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {
+                        if (waiting == i) {
+                            flights[i] = first;
+                        }
+                    }
+                    waiting = min(waiting + 1, VELUM_REFERENCE_FLIGHTS);
                     next_d = to;
                     next_weight = whole * (given / (given + rate * lobe));
                 }
@@ -450,13 +448,19 @@ void main() {
             flies = next;
             ends = !next;
         }
-        if (ends && waiting) {
-            waiting = false;
-            r = waiting_r;
-            d = waiting_d;
-            tracked = waiting_weight;
-            order = waiting_order;
-            from_ground = waiting_from_ground;
+        if (ends && waiting > 0) {
+            --waiting;
+            velum_reference_flight last = flights[0];
+            for (int i = 1; i < VELUM_REFERENCE_FLIGHTS; ++i) {
+                if (waiting == i) {
+                    last = flights[i];
+                }
+            }
+            r = last.r.xyz;
+            order = int(last.r.w);
+            d = last.d.xyz;
+            from_ground = last.d.w > 0.0;
+            tracked = last.weight.xyz;
             flies = true;
             ends = false;
         }
@@ -483,9 +487,8 @@ void main() {
     for (int once = most_rounds < 0x7fffffffu ? 0 : 1; once < 1; ++once) {
         velum_reference_lane lane;
         lane.state = uvec4(uint(state), path_index, key, drawn);
-        lane.flags = uvec4(uint(order), uint(waiting_order), uint(medium) | (uint(chain) << 8u),
-                           (grounded ? 1u : 0u) | (next ? 2u : 0u) | (waiting ? 4u : 0u) |
-                               (waiting_from_ground ? 8u : 0u));
+        lane.flags = uvec4(uint(order), uint(waiting), uint(medium) | (uint(chain) << 8u),
+                           (grounded ? 1u : 0u) | (next ? 2u : 0u));
         lane.r = vec4(r, left_m);
         lane.d = vec4(d, ray_m);
         lane.clear_0 = vec4(clear_m[0], clear_m[1], clear_m[2], clear_m[3]);
@@ -500,9 +503,9 @@ void main() {
         lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), 0u);
         lane.next_d = vec4(next_d, dim);
         lane.next = vec4(next_weight, air_1_m);
-        lane.waiting_r = vec4(waiting_r, 0.0);
-        lane.waiting_d = vec4(waiting_d, 0.0);
-        lane.waiting_weight = vec4(waiting_weight, 0.0);
+        for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {
+            lane.flights[i] = flights[i];
+        }
         lanes[own] = lane;
     }
     atomicAdd(slice[VELUM_SLICE_DONE], finished);

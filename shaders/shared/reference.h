@@ -57,10 +57,18 @@ VELUM_STRUCT(velum_reference_path) {
     VELUM_VEC4(through); /* transmittance; weight of cloud */
 };
 
+/* A flight that waits. */
+#define VELUM_REFERENCE_FLIGHTS 4
+VELUM_STRUCT(velum_reference_flight) {
+    VELUM_VEC4(r);      /* w: order */
+    VELUM_VEC4(d);      /* w: 1: from the ground */
+    VELUM_VEC4(weight); /* w: 0 */
+};
+
 /* An invocation between two dispatches of one slice. */
 VELUM_STRUCT(velum_reference_lane) {
     VELUM_UVEC4(state);  /* what it is at; path; key; drawn */
-    VELUM_UVEC4(flags);  /* order, order that waits; media (newest, chosen); bits */
+    VELUM_UVEC4(flags);  /* order, flights that wait; media (newest, chosen); bits */
     VELUM_VEC4(r);       /* w: rest of the ray */
     VELUM_VEC4(d);       /* w: along the pixel's ray */
     VELUM_VEC4(clear_0); /* of slots 0 to 3 */
@@ -72,9 +80,7 @@ VELUM_STRUCT(velum_reference_lane) {
     VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); 0 */
     VELUM_VEC4(next_d);  /* w: below which roulette begins */
     VELUM_VEC4(next);    /* weight; bound of air */
-    VELUM_VEC4(waiting_r);
-    VELUM_VEC4(waiting_d);
-    VELUM_VEC4(waiting_weight);
+    velum_reference_flight flights[VELUM_REFERENCE_FLIGHTS];
 #ifdef VULKAN
     vec4 chosen[VELUM_REFERENCE_CHAINS]; /* weight, distance */
 #else
