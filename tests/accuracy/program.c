@@ -63,7 +63,6 @@ static bool any_row(const program *p, bool blown) {
 
 /* With the scene's own wind, or with the motion's more. STAGE_*. */
 static int enter(program *p, const scene_row *scene, bool blown, stage_camera *camera) {
-    stage_renew(&p->s);
     int status = stage_load(&p->s, scene, blown ? measure_wind(MOTION_WIND) : 0.0f);
     if (status == STAGE_OK) {
         stage_camera_init(&p->s, p->reference.width, p->reference.height, camera);
@@ -148,7 +147,7 @@ static bool visit(program *p, const scene_row *scene, bool blown) {
         return true;
     }
     double before = 0.0;
-    options.patience = 10.0;
+    options.patience = 100.0;
     options.seconds = 1e30;
     bool enough = false;
     if (reference_load(&p->s, scene->name, &camera, wind_m_s, &options, &r)) {

@@ -34,9 +34,6 @@ void proof_tell(proof *p, bool ok, const char *figure_and_bound, ...) __attribut
 /* 4 standard errors, and 0.5 % where those are 0.15 % or less. */
 bool proof_meets(double found, double error, double expected);
 double proof_now_s(void);
-/* Mesa's software device keeps what it allocates for each dispatch until it is destroyed: some 10 MB a second. Makes
- * the rig anew where that has become much; true: what was set of it is gone. */
-bool proof_renew(proof *p);
 
 /* pi I / (mu0 F0) of the rig's slab, until it is known well enough. */
 void proof_measure(proof *p, const slab_case *c, double thickness_m, proof_mean *out);

@@ -120,12 +120,6 @@ static void measure_flux(proof *p, panorama *o, const slab_case *c, bool up, pro
     }
 }
 
-static void panorama_renew(proof *p, panorama *o) {
-    assert_int_equal(p->rig.f.engine_api->destroy_view(o->view), VELUM_OK);
-    proof_renew(p);
-    o->view = fixture_view(&p->rig.f, p->rig.eye, SIDE, SIDE);
-}
-
 static panorama *panorama_create(proof *p) {
     panorama *o = calloc(1, sizeof *o);
     assert_non_null(o);
@@ -159,7 +153,6 @@ void proof_flux(void **state) {
             ++row < p->first || row > p->last) {
             continue;
         }
-        panorama_renew(p, o);
         slab_rig_layer(&p->rig, &c, PROOF_SLAB_M);
         for (int side = 0; side < 2; side++) {
             proof_mean m;
@@ -193,7 +186,6 @@ void proof_energy(void **state) {
     panorama *o = panorama_create(p);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         proof_mean back, through;
-        panorama_renew(p, o);
         slab_rig_layer(&p->rig, &cases[k], PROOF_SLAB_M);
         measure_flux(p, o, &cases[k], true, &back);
         measure_flux(p, o, &cases[k], false, &through);

@@ -18,22 +18,6 @@ double proof_now_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-bool proof_renew(proof *p) {
-    long all = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    bool large = file && fscanf(file, "%ld %ld", &all, &resident) == 2 && resident > (1500l << 20) / 4096;
-    if (file) {
-        fclose(file);
-    }
-    if (large) {
-        double time_s = p->rig.time_s;
-        slab_rig_finish(&p->rig);
-        slab_rig_init(&p->rig);
-        p->rig.time_s = time_s;
-    }
-    return large;
-}
-
 void proof_add(proof_mean *m, double value, double error, double weight) {
     m->sum += weight * value;
     m->square += weight * weight * error * error;
@@ -97,7 +81,6 @@ static void meets_radiances(void **state) {
             continue;
         }
         proof_mean m;
-        proof_renew(p);
         slab_rig_layer(&p->rig, &c, PROOF_SLAB_M);
         proof_measure(p, &c, PROOF_SLAB_M, &m);
         double found = proof_value(&m), error = proof_error(&m);

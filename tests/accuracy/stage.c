@@ -141,17 +141,6 @@ static void leave_world(stage *s) {
     s->world = NULL;
 }
 
-void stage_renew(stage *s) {
-    long all = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (file && fscanf(file, "%ld %ld", &all, &resident) == 2 && resident > (1500l << 20) / 4096) {
-        leave_world(s);
-    }
-    if (file) {
-        fclose(file);
-    }
-}
-
 void stage_finish(stage *s) {
     if (s->host.library) {
         leave_world(s);

@@ -53,10 +53,6 @@ enum { STAGE_OK = 0, STAGE_SKIPPED = 1, STAGE_FAILED = 2 };
 bool stage_init(stage *s, int32_t device);
 void stage_finish(stage *s);
 
-/* Gives world, engine and device back: Mesa's software device keeps what it allocates for each dispatch until it is
- * destroyed, some 10 MB a second of the reference. Only where that has become much. */
-void stage_renew(stage *s);
-
 /* STAGE_*; says why unless it is OK. */
 int stage_load(stage *s, const scene_row *scene, float wind_east_m_s);
 /* The same for a scenario's text. */
