@@ -10,7 +10,7 @@
 
 #include "metric.h"
 
-enum { KEY_MAX = 2048, LEAST_PATHS = 8 };
+enum { KEY_MAX = 2048, LEAST_PATHS = 4 };
 
 #define SAVE_MS 30000.0
 #define LOOK_MS 500.0
