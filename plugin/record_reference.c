@@ -12,7 +12,7 @@
 enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
-enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 256, SOFTWARE_PATHS = 4096 };
+enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 40, SOFTWARE_PATHS = 4096 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
@@ -305,7 +305,7 @@ static bool bind_init(view *v, const velum_vulkan_images *images, const velum_vi
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         seen.slots[slot].bounds[3] = v->reference.most_1_m[slot];
     }
-    first.steps[2] = v->reference.begun ? 1 : 0;
+    first.steps[2] = v->reference.begun && is_software(&e->g) ? 1 : 0;
     again.steps[2] = 1;
     out->sets[0] = y->set;
     if (!frame_uniform(e, &seen, sizeof seen, &out->offsets[0]) ||

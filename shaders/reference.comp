@@ -72,7 +72,8 @@ void ray_from(vec3 r, vec3 d, int state) {
  * spread evenly. */
 #define VELUM_CHOOSE_ONE(SHARE, WEIGHT, MEDIUM)                                                                        \
     for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {                                                                 \
-        bool own = fract(event + float(i) / float(VELUM_REFERENCE_CHAINS)) * chosen_sum < (SHARE);                     \
+        bool own = chosen_sum <= (SHARE) ||                                                                            \
+                   fract(event + float(i) / float(VELUM_REFERENCE_CHAINS)) * chosen_sum < (SHARE);                     \
         chosen[i] = own ? vec4(WEIGHT, ray_m) : chosen[i];                                                             \
         uint shift = 8u * uint(i & 3);                                                                                 \
         uint media = i < 4 ? chosen_media.x : chosen_media.y;                                                          \

@@ -24,10 +24,13 @@ const float margin_m = 0.5;
 const float least_step_m = 0.5;
 const float far_m = 1.0e9;
 
-/* Distance to heights between low and high from outside, never too long: height along a ray is convex, and on a sphere
- * of radius a it curves most. */
+/* Where the ellipsoid curves most, along the meridian at the equator. */
+const float least_radius_m = VELUM_WGS84_B_M * VELUM_WGS84_B_M / VELUM_WGS84_A_M;
+
+/* Distance to heights between low and high from outside, never too long: height along a ray is convex, and curves most
+ * there. */
 float reach_heights(float h, float rise, float low, float high) {
-    const float a = VELUM_WGS84_A_M;
+    const float a = least_radius_m;
     float x = 2.0 * max(low - h, 0.0) / a;
     float root = sqrt(rise * rise + x);
     float up = rise >= 0.0 ? a * x / max(root + rise, 1e-12) : a * (root - rise);
@@ -237,17 +240,17 @@ float tile_distance(tile_place place, vec3 r, vec3 d, vec3 normal) {
 /* Bound of air along a ray, and how far it holds. */
 float air_most(float h, float rise, out float reach) {
     if (h > VELUM_AIR_TOP_M) {
-        reach = reach_heights(h, rise, -2000.0, VELUM_AIR_TOP_M);
+        reach = max(reach_heights(h, rise, -2000.0, VELUM_AIR_TOP_M), least_step_m);
         return 0.0;
     }
     bool fog_on = eye.drift.y > 0.0;
     float fog_top = eye.drift.z + margin_m;
     float dh = fog_on && h < fog_top ? 60.0 : 1000.0 + max(h, 0.0);
-    reach = min(dh / max(abs(rise), 1e-6), sqrt(2.0 * VELUM_WGS84_A_M * dh));
+    reach = min(dh / max(abs(rise), 1e-6), sqrt(2.0 * least_radius_m * dh));
     reach = fog_on && h > fog_top ? min(reach, reach_heights(h, rise, -2000.0, fog_top)) : reach;
     reach = max(reach, least_step_m);
     float low = h + min(rise, 0.0) * reach;
-    float high = h + max(rise, 0.0) * reach + reach * reach / (2.0 * VELUM_WGS84_A_M);
+    float high = h + max(rise, 0.0) * reach + reach * reach / (2.0 * least_radius_m);
     float ozone = low < VELUM_OZONE_CENTRE_M && high > VELUM_OZONE_CENTRE_M
                       ? 1.0
                       : max(velum_ozone_density(low), velum_ozone_density(high));

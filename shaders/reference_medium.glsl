@@ -100,8 +100,12 @@ float slot_extinction(const int slot, slot_tile s, velum_slot_fields f, velum_pr
             float fine = fine_noise(slot, f, r);
             extinction = f.extinction_1_m * velum_body(profile, e, z, h - f.base_m, lump, fine);
         }
+        /* As far as the ray's slope, the layer's and the planet's curve allow. */
         float beyond_m = max(f.base_m - h, h - f.top_m);
-        clear = beyond_m > 0.0 ? beyond_m / (abs(rise) + s.bend * max(f.top_m - f.base_m, 1.0) + 1e-4) : 0.0;
+        float nearing = abs(rise) + s.bend * max(f.top_m - f.base_m, 1.0);
+        clear = s.slowness > 0.0 && beyond_m > 0.0
+                    ? 2.0 * beyond_m / (nearing + sqrt(nearing * nearing + 2.0 * beyond_m / least_radius_m))
+                    : 0.0;
         clear = covered && margin < 0.0 ? margin_clear(slot, s, f, profile, margin, z, slope, rise, run) : clear;
     }
     return extinction;

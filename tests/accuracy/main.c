@@ -25,7 +25,8 @@ static int usage(int status) {
         "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
         "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
         "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
-        "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done.\n");
+        "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done; 77: what is missing "
+        "was skipped.\n");
     return status;
 }
 
@@ -233,6 +234,7 @@ int main(int argc, char **argv) {
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);
     }
+    status = status == 0 && p.skipped ? 77 : status;
     tell_time();
     stage_finish(&p.s);
     free(p.results);

@@ -55,12 +55,25 @@ static bool move_body(FILE *file, bool out, reference *r) {
     return ok;
 }
 
+/* Whatever wrote the file. */
+static bool is_sound(const reference *r) {
+    const picture *p = &r->picture;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        sum += (double)p->variance[i] + (double)p->distance[i];
+        for (uint32_t k = 0; k < 3; k++) {
+            sum += (double)p->rgb[3 * i + k] + (double)p->transmittance[3 * i + k];
+        }
+    }
+    return isfinite(sum) && r->paths >= 1.0 && r->seconds >= 0.0 && isfinite(r->paths + r->seconds);
+}
+
 static bool load(const char *path, const char *key, reference *r) {
     char found[KEY_MAX];
     FILE *file = fopen(path, "rb");
     size_t length = strlen(key) + 1;
-    bool ok =
-        file && fread(found, 1, length, file) == length && memcmp(found, key, length) == 0 && move_body(file, false, r);
+    bool ok = file && fread(found, 1, length, file) == length && memcmp(found, key, length) == 0 &&
+              move_body(file, false, r) && is_sound(r);
     if (file) {
         fclose(file);
     }
@@ -73,7 +86,7 @@ static bool load(const char *path, const char *key, reference *r) {
     return ok;
 }
 
-static void save(const char *cache, const char *path, const char *key, reference *r) {
+static bool save(const char *cache, const char *path, const char *key, reference *r) {
     char temporary[1100];
     snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
     mkdir(cache, 0777);
@@ -85,7 +98,9 @@ static void save(const char *cache, const char *path, const char *key, reference
     if (!ok || rename(temporary, path) != 0) {
         fprintf(stderr, "velum-accuracy: %s: cannot be kept: %s\n", path, strerror(errno));
         remove(temporary);
+        return false;
     }
+    return true;
 }
 
 static void copy_picture(picture *to, const picture *from) {
@@ -152,7 +167,9 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
         done = late || (t->paths >= LEAST_PATHS && reference_is_enough(out, options));
         if (t->paths >= LEAST_PATHS && (done || now_ms - saved_ms > SAVE_MS)) {
             saved_ms = now_ms;
-            save(options->cache, path, key, out);
+            if (!save(options->cache, path, key, out)) {
+                return VELUM_ERROR_STATE;
+            }
         }
         tell(name, out, done);
     }
