@@ -2,28 +2,31 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SIDE = CORE_NOISE_SHAPE_SIDE, MASK = SIDE - 1, VOLUME = SIDE * SIDE * SIDE };
 
-static int texel(const core_noise *noise, uint32_t x, uint32_t y, uint32_t z) {
-    return noise->shape[((z & MASK) * SIDE + (y & MASK)) * SIDE + (x & MASK)];
+/* Of a volume of side^3 that repeats. */
+static int texel(const uint8_t *texels, uint32_t side, uint32_t x, uint32_t y, uint32_t z) {
+    const uint32_t mask = side - 1;
+    return texels[((z & mask) * side + (y & mask)) * side + (x & mask)];
 }
 
-/* Each component of the gradient of a trilinear cell is bilinear: its length is greatest at a corner. */
-static uint8_t cell_slope(const core_noise *noise, uint32_t x, uint32_t y, uint32_t z) {
+/* Each component of the gradient of a trilinear cell is bilinear: its length, in steps over a texel, is greatest at a
+ * corner. */
+static float cell_slope(const uint8_t *texels, uint32_t side, uint32_t x, uint32_t y, uint32_t z) {
     int most = 0;
     for (uint32_t k = 0; k < 8; k++) {
         const uint32_t i = x + (k & 1);
         const uint32_t j = y + (k >> 1 & 1);
         const uint32_t l = z + (k >> 2);
-        int a = texel(noise, x + 1, j, l) - texel(noise, x, j, l);
-        int b = texel(noise, i, y + 1, l) - texel(noise, i, y, l);
-        int c = texel(noise, i, j, z + 1) - texel(noise, i, j, z);
+        int a = texel(texels, side, x + 1, j, l) - texel(texels, side, x, j, l);
+        int b = texel(texels, side, i, y + 1, l) - texel(texels, side, i, y, l);
+        int c = texel(texels, side, i, j, z + 1) - texel(texels, side, i, j, z);
         int square = a * a + b * b + c * c;
         most = square > most ? square : most;
     }
-    float slope = ceilf(sqrtf((float)most) * ((float)SIDE / 255.0f / VELUM_SLOPE_UNIT));
-    return slope < 255.0f ? (uint8_t)slope : 255;
+    return sqrtf((float)most);
 }
 
 static void widen(const uint8_t *in, uint8_t *out, uint32_t stride) {
@@ -45,14 +48,14 @@ bool core_noise_slope(const core_noise *noise, uint8_t *out) {
         return false;
     }
     for (uint32_t i = 0; i < VOLUME; i++) {
-        out[i] = cell_slope(noise, i & MASK, i / SIDE & MASK, i / SIDE / SIDE);
+        float slope = cell_slope(noise->shape, SIDE, i & MASK, i / SIDE & MASK, i / SIDE / SIDE);
+        slope = ceilf(slope * ((float)SIDE / 255.0f / VELUM_SLOPE_UNIT));
+        out[i] = slope < 255.0f ? (uint8_t)slope : 255;
     }
     widen(out, own, 1);
     widen(own, out, SIDE);
     widen(out, own, SIDE * SIDE);
-    for (uint32_t i = 0; i < VOLUME; i++) {
-        out[i] = own[i];
-    }
+    memcpy(out, own, VOLUME);
     free(own);
     return true;
 }
@@ -70,7 +73,7 @@ static void fill_highest(const core_noise *noise, uint8_t *out) {
         for (uint32_t z = 0; z <= 3 * texels; z++) {
             for (uint32_t y = 0; y <= 3 * texels; y++) {
                 for (uint32_t x = 0; x <= 3 * texels; x++) {
-                    int own = texel(noise, from[0] + x, from[1] + y, from[2] + z);
+                    int own = texel(noise->shape, SIDE, from[0] + x, from[1] + y, from[2] + z);
                     most = own > most ? own : most;
                 }
             }
@@ -124,25 +127,10 @@ bool core_noise_away(const core_noise *noise, uint8_t *out) {
 }
 
 float core_noise_detail_slope(const core_noise *noise) {
-    enum { DETAIL = CORE_NOISE_DETAIL_SIDE, DETAIL_MASK = DETAIL - 1 };
-    int most = 0;
-    for (uint32_t i = 0; i < DETAIL * DETAIL * DETAIL; i++) {
-        const uint32_t x = i & DETAIL_MASK;
-        const uint32_t y = i / DETAIL & DETAIL_MASK;
-        const uint32_t z = i / DETAIL / DETAIL;
-        for (uint32_t k = 0; k < 8; k++) {
-            const uint32_t j[3] = {(x + (k & 1)) & DETAIL_MASK, (y + (k >> 1 & 1)) & DETAIL_MASK,
-                                   (z + (k >> 2)) & DETAIL_MASK};
-            const uint32_t l[3] = {(x + 1) & DETAIL_MASK, (y + 1) & DETAIL_MASK, (z + 1) & DETAIL_MASK};
-            int a = noise->detail[(j[2] * DETAIL + j[1]) * DETAIL + l[0]] -
-                    noise->detail[(j[2] * DETAIL + j[1]) * DETAIL + x];
-            int b = noise->detail[(j[2] * DETAIL + l[1]) * DETAIL + j[0]] -
-                    noise->detail[(j[2] * DETAIL + y) * DETAIL + j[0]];
-            int c = noise->detail[(l[2] * DETAIL + j[1]) * DETAIL + j[0]] -
-                    noise->detail[(z * DETAIL + j[1]) * DETAIL + j[0]];
-            int square = a * a + b * b + c * c;
-            most = square > most ? square : most;
-        }
+    enum { DETAIL = CORE_NOISE_DETAIL_SIDE };
+    float most = 0.0f;
+    for (uint32_t i = 0; i < CORE_NOISE_DETAIL_BYTES; i++) {
+        most = fmaxf(most, cell_slope(noise->detail, DETAIL, i % DETAIL, i / DETAIL % DETAIL, i / DETAIL / DETAIL));
     }
-    return sqrtf((float)most) * ((float)DETAIL / 255.0f);
+    return most * ((float)DETAIL / 255.0f);
 }

@@ -51,22 +51,26 @@ static float page_most_1_m(velum_slot_fields f, velum_profile p) {
     return f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
 }
 
-/* Coverage as velum_excess takes it. */
-static float effective(uint32_t slot, const uint16_t *a, const uint16_t *b) {
-    velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]), unit(b[1]),
-                                                 unit(b[2]), unit(b[3]));
-    return slot < VELUM_SLOT_UNIFORM ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+/* Coverage of each texel as velum_excess takes it. */
+static void fill_effective(const core_tile_slot *from, uint32_t slot, float out[VELUM_TILE_SIDE * VELUM_TILE_SIDE]) {
+    for (size_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
+        const uint16_t *a = from->a + i * 4;
+        const uint16_t *b = from->b + i * 4;
+        velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]),
+                                                     unit(b[1]), unit(b[2]), unit(b[3]));
+        const bool formed = a[0] > 0 && slot < VELUM_SLOT_UNIFORM;
+        out[i] = formed ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+    }
 }
 
 /* Texels are counted with the apron: part i and its neighbours are filtered from 8 i - 8 to 8 i + 17. */
-static uint32_t part(const core_tile_slot *from, uint32_t slot, uint32_t x, uint32_t y, float most) {
+static uint32_t part(const float *effective, uint32_t x, uint32_t y, float most) {
     const int step = VELUM_TILE_TEXELS / VELUM_PARTS;
     float own = 0.0f;
     for (int j = (int)y * step - step; j <= (int)y * step + 2 * step + 1; j++) {
         for (int i = (int)x * step - step; i <= (int)x * step + 2 * step + 1; i++) {
             if (i >= 0 && j >= 0 && i < VELUM_TILE_SIDE && j < VELUM_TILE_SIDE) {
-                size_t at = ((size_t)j * VELUM_TILE_SIDE + (size_t)i) * 4;
-                own = from->a[at] > 0 ? fmaxf(own, effective(slot, from->a + at, from->b + at)) : own;
+                own = fmaxf(own, effective[j * VELUM_TILE_SIDE + i]);
             }
         }
     }
@@ -164,8 +168,12 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         out->most[1] *= SLACK;
         out->most[2] /= SLACK;
     }
+    float effective[VELUM_TILE_SIDE * VELUM_TILE_SIDE];
+    if (!even) {
+        fill_effective(from, slot, effective);
+    }
     for (uint32_t i = 0; i < VELUM_PARTS * VELUM_PARTS; i++) {
-        uint32_t share = even ? 255 : part(from, slot, i % VELUM_PARTS, i / VELUM_PARTS, out->most[0]);
+        uint32_t share = even ? 255 : part(effective, i % VELUM_PARTS, i / VELUM_PARTS, out->most[0]);
         out->parts[i / VELUM_PARTS] |= share << i % VELUM_PARTS * 8;
     }
 }

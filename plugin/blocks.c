@@ -79,7 +79,6 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
         if (mask & (1u << slot)) {
             bounds[0] = t->base_m[slot];
             bounds[1] = t->top_m[slot];
-            bounds[3] = t->extinction_1_m[slot];
             out->span[0] = first ? bounds[0] : fminf(out->span[0], bounds[0]);
             out->span[1] = first ? bounds[1] : fmaxf(out->span[1], bounds[1]);
             first = false;

@@ -146,8 +146,6 @@ static bool take_pages(tiles *t, const tiles_context *c, uint32_t i, core_tile *
             t->mask |= 1u << slot;
             t->base_m[slot] = first ? fields->min_base_m : fminf(t->base_m[slot], fields->min_base_m);
             t->top_m[slot] = first ? fields->max_top_m : fmaxf(t->top_m[slot], fields->max_top_m);
-            t->extinction_1_m[slot] =
-                first ? fields->max_extinction_1_m : fmaxf(t->extinction_1_m[slot], fields->max_extinction_1_m);
         }
     }
     return all;

@@ -32,7 +32,6 @@ typedef struct tiles {
     uint32_t first_chunk, chunk_count;
     uint32_t mask;                                           /* slots with cloud */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
-    float extinction_1_m[VELUM_SLOT_COUNT];
 } tiles;
 
 /* Where updates find what they need. */

@@ -24,12 +24,12 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 };
 
 /* What an invocation is at. */
-const int at_start = 0;  /* of a path */
-const int at_view = 1;   /* along the pixel's ray, through all of it: its transmittance, and where it scatters first */
-const int at_flight = 2; /* to the next collision */
-const int at_sun = 3;    /* from a collision towards the sun */
+const int at_start = 0;   /* of a path */
+const int at_view = 1;    /* along the pixel's ray, through all of it: its transmittance, and where it scatters first */
+const int at_flight = 2;  /* to the next collision */
+const int at_sun = 3;     /* from a collision towards the sun */
 const int at_scatter = 4; /* where the pixel's ray has met something */
-const int at_end = 5;    /* no path is left */
+const int at_end = 5;     /* no path is left */
 
 const int tracking_rounds = 4;
 /* Orders from which half of the paths go on at each power of two. */
@@ -75,11 +75,8 @@ void ray_from(vec3 r, vec3 d, int state) {
         bool own = chosen_sum <= (SHARE) ||                                                                            \
                    fract(event + float(i) / float(VELUM_REFERENCE_CHAINS)) * chosen_sum < (SHARE);                     \
         chosen[i] = own ? vec4(WEIGHT, ray_m) : chosen[i];                                                             \
-        uint shift = 8u * uint(i & 3);                                                                                 \
-        uint media = i < 4 ? chosen_media.x : chosen_media.y;                                                          \
-        media = own ? (media & ~(255u << shift)) | (uint(MEDIUM) << shift) : media;                                    \
-        chosen_media.x = i < 4 ? media : chosen_media.x;                                                               \
-        chosen_media.y = i < 4 ? chosen_media.y : media;                                                               \
+        uint shift = 8u * uint(i);                                                                                     \
+        chosen_media = own ? (chosen_media & ~(255u << shift)) | (uint(MEDIUM) << shift) : chosen_media;               \
     }
 
 void main() {
@@ -95,7 +92,7 @@ void main() {
     float left_m = 0.0;
     bool grounded = false;    /* the ray ends on the ground */
     vec3 tracked = vec3(0.0); /* transmittance, weight of a flight, or light of the sun */
-    float dim = 0.0; /* roulette begins below */
+    float dim = 0.0;          /* roulette begins below */
     vec3 light = vec3(0.0);
     int order = 0;
     /* Along the pixel's ray. */
@@ -104,7 +101,7 @@ void main() {
     float through_cloud = 1.0;
     float chosen_sum = 0.0;
     vec4 chosen[VELUM_REFERENCE_CHAINS]; /* weight, distance */
-    uvec2 chosen_media = uvec2(0u);      /* bytes */
+    uint chosen_media = 0u;              /* bytes */
     int chain = 0;
     float cloud_m = 0.0;
     float cloud_weight = 0.0;
@@ -170,8 +167,8 @@ void main() {
         for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
             chosen[i] = lane.chosen[i];
         }
-        chosen_media = lane.media.xy;
-        cloud_weight = uintBitsToFloat(lane.media.z);
+        chosen_media = lane.media.x;
+        cloud_weight = uintBitsToFloat(lane.media.y);
         next_d = lane.next_d.xyz;
         next_weight = lane.next.xyz;
         dim = lane.next_d.w;
@@ -347,7 +344,7 @@ void main() {
             }
             r = ray.origin + d * one.w;
             tracked = one.xyz * (chosen_sum / float(VELUM_REFERENCE_CHAINS));
-            medium = int(((chain < 4 ? chosen_media.x : chosen_media.y) >> (8u * uint(chain & 3))) & 255u);
+            medium = int((chosen_media >> (8u * uint(chain))) & 255u);
             order = 0;
             collides = true;
         }
@@ -379,7 +376,7 @@ void main() {
             float turn = 1.0 - sqrt(draw());
             vec3 axis = normal;
             for (int lobed = on_ground ? 1 : 0; lobed < 1; ++lobed) {
-                turn = lobes_turn(lobes);
+                turn = velum_phase_lobes_draw(lobes);
                 axis = d;
             }
             /* Lambert's cosine is drawn as its own 1 - cos. */
@@ -398,7 +395,7 @@ void main() {
                 vec3 whole = next_weight * either;
                 next_weight = whole * (given / (given + rate * lobe));
                 if (draw() * either < rate) {
-                    vec3 to = turned(eye.sun.xyz, lobes_turn(sunward), draw());
+                    vec3 to = turned(eye.sun.xyz, velum_phase_lobes_draw(sunward), draw());
                     given = on_ground ? max(dot(normal, to), 0.0) / PI : velum_phase_lobes_turn(lobes, turn_between(d, to));
                     lobe = velum_phase_lobes_turn(sunward, turn_between(to, eye.sun.xyz));
                     velum_reference_flight first;
@@ -501,7 +498,7 @@ void main() {
         for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
             lane.chosen[i] = chosen[i];
         }
-        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), 0u);
+        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), 0u, 0u);
         lane.next_d = vec4(next_d, dim);
         lane.next = vec4(next_weight, air_1_m);
         for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {

@@ -38,26 +38,21 @@ float reach_heights(float h, float rise, float low, float high) {
     return h < low ? up : h > high ? down : 0.0;
 }
 
-/* Distance until heights low..high are left from inside, never too short by more than curvature makes up for. */
-float leave_heights(float h, float rise, float low, float high) {
-    return (rise > 0.0 ? high - h : h - low) / max(abs(rise), 1e-6);
-}
-
 const uint slot_nowhere = (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE;
 
 /* What the tile under a lane says of a slot. */
 struct slot_tile {
     uint pages;
-    float cover;           /* effective coverage at most; 0: no such cloud */
-    uint even;             /* parts where fields and profile are those below */
-    float reach, power;    /* of the threshold over height: at least */
-    float low, high;       /* lowest base, highest top */
-    float base;            /* highest base */
-    uvec4 parts;           /* of cover */
+    float cover;        /* effective coverage at most; 0: no such cloud */
+    uint even;          /* parts where fields and profile are those below */
+    float reach, power; /* of the threshold over height: at least */
+    float low, high;    /* lowest base, highest top */
+    float base;         /* highest base */
+    uvec4 parts;        /* of cover */
     velum_slot_fields fields;
     velum_profile profile;
-    float slowness;        /* metres over metres of noise, at least; 0: nothing is known */
-    float fade, bend;      /* change over a metre at most: of coverage; of heights, over thickness */
+    float slowness;   /* metres over metres of noise, at least; 0: nothing is known */
+    float fade, bend; /* change over a metre at most: of coverage; of heights, over thickness */
 };
 
 slot_tile slot_tile_none() {
@@ -90,7 +85,8 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);
     if (velum_mixes && a != b) {
         velum_page_bounds y = page_bounds[b == VELUM_PAGE_NONE ? a : b];
-        x.most = vec4(max(x.most.x, y.most.x), max(x.most.y, y.most.y), min(x.most.z, y.most.z), max(x.most.w, y.most.w));
+        x.most = vec4(max(x.most.x, y.most.x), max(x.most.y, y.most.y), min(x.most.z, y.most.z),
+                      max(x.most.w, y.most.w));
         x.height = vec4(min(x.height.x, y.height.x), max(x.height.y, y.height.y), min(x.height.z, y.height.z),
                         max(x.height.w, y.height.w));
         /* Winds are mixed by coverages: they may change from one texel to the next. */
@@ -152,17 +148,16 @@ float part_cover(slot_tile s, ivec2 i) {
 
 /* Noise periods around q in which no rank is as high. */
 float noise_away(vec3 q, float rank) {
-    int level = int(16.0 * (1.0 - sqrt(clamp(1.0 - rank, 0.0, 1.0))));
-    ivec3 i = ivec3(floor(q * float(VELUM_AWAY_SIDE) - 0.5 * float(VELUM_AWAY_SIDE) / 128.0)) & (VELUM_AWAY_SIDE - 1);
-    uint at = uint(VELUM_SLOPE_BYTES) +
-              uint(((min(level, VELUM_AWAY_LEVELS - 1) * VELUM_AWAY_SIDE + i.z) * VELUM_AWAY_SIDE + i.y) * VELUM_AWAY_SIDE + i.x);
+    const int side = VELUM_AWAY_SIDE;
+    ivec3 i = ivec3(floor(q * float(side) - 0.5 * float(side) / float(VELUM_SLOPE_SIDE))) & (side - 1);
+    uint at = uint(VELUM_SLOPE_BYTES) + uint(((velum_away_level(rank) * side + i.z) * side + i.y) * side + i.x);
     return float((noise_slope[at >> 2u] >> (8u * (at & 3u))) & 255u) * (VELUM_AWAY_UNIT / float(VELUM_AWAY_SIDE));
 }
 
 /* Distance along a ray over which the shape noise, of that rank here, lets no cloud of the slot be, as far as the tile
  * goes. `slope`: change of rank over a period of it, at most. */
-float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slot_fields f, float own_cover, float rank, vec3 r, vec3 normal, float h,
-                  float rise, float run, out float slope) {
+float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slot_fields f, float own_cover, float rank,
+                  vec3 r, vec3 normal, float h, float rise, float run, out float slope) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 foot = r - normal * h;
     float stretch = eye.slots[slot].bounds.z;
@@ -174,10 +169,11 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
     float foot_rank = 1.0 - cover;
     float threshold = foot_rank + cover * s.reach * pow(z, s.power);
     vec3 q0 = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
+    vec3 q1 = q0;
     slope = noise_slope_at(q0);
     float short_of = threshold - rank;
     if (velum_mixes) {
-        vec3 q1 = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
+        q1 = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
         threshold = rank_unmix(min(threshold, 1.0), eye.drift.x);
         foot_rank = rank_unmix(min(foot_rank, 1.0), eye.drift.x);
         short_of = threshold - rank_unmix(rank, eye.drift.x);
@@ -190,7 +186,6 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
         far = noise_away(q0, foot_rank);
         if (velum_mixes) {
             /* A mixed rank is no higher than the higher of the two. */
-            vec3 q1 = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
             away = max(min((short_of - VELUM_SLOPE_SLACK) / max(slope, 1e-3), VELUM_SLOPE_RADIUS),
                        min(away, noise_away(q1, threshold)));
             far = min(far, noise_away(q1, foot_rank));
@@ -207,8 +202,8 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
 }
 
 /* Distance over which a margin stays below 0, whatever fine noise carves. */
-float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, float margin, float z, float slope, float rise,
-                   float run) {
+float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, float margin, float z, float slope,
+                   float rise, float run) {
     float thickness = max(f.top_m - f.base_m, 1.0);
     float climb = abs(rise) / thickness;
     float carve = 1.6 * p.amplitude;

@@ -80,8 +80,8 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
 }
 
 /* Extinction of a slot with such fields; `clear`: how far there is none. */
-float slot_extinction(const int slot, slot_tile s, velum_slot_fields f, velum_profile profile, float rank, float slope, vec3 r, float h, float rise,
-                      float run, out float clear) {
+float slot_extinction(const int slot, slot_tile s, velum_slot_fields f, velum_profile profile, float rank, float slope,
+                      vec3 r, float h, float rise, float run, out float clear) {
     float extinction = 0.0;
     clear = 0.0;
     if (slot >= VELUM_SLOT_UNIFORM) {
@@ -162,7 +162,8 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
         beside = 0.0;
         if (slot < VELUM_SLOT_UNIFORM) {
             rank = column_rank(slot, f, r, normal, h);
-            beside = shape_clear(slot, s, tile_under, cover, f, f.coverage * profile.coverage_scale, rank, r, normal, h, rise, run, slope);
+            beside = shape_clear(slot, s, tile_under, cover, f, f.coverage * profile.coverage_scale, rank, r, normal, h,
+                                 rise, run, slope);
         }
         for (int twice = beside <= 0.0 ? 0 : 1; twice < 1; ++twice) {
             extinction = slot_extinction(slot, s, f, profile, rank, slope, r, h, rise, run, beside);

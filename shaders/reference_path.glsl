@@ -2,7 +2,6 @@
 #ifndef VELUM_REFERENCE_PATH_GLSL
 #define VELUM_REFERENCE_PATH_GLSL
 
-#include "reference_medium.glsl"
 #include "shared/hash.h"
 
 uint key;
@@ -10,6 +9,9 @@ uint drawn;
 float draw() {
     return velum_hash_unit(velum_hash_2(key, drawn++));
 }
+#define VELUM_PHASE_DRAW() draw()
+
+#include "reference_medium.glsl"
 
 float mean(vec3 x) {
     return (x.r + x.g + x.b) * (1.0 / 3.0);
@@ -34,22 +36,6 @@ vec3 turned(vec3 d, float turn, float round) {
 float turn_between(vec3 a, vec3 b) {
     vec3 c = a - b;
     return min(0.5 * dot(c, c), 2.0);
-}
-
-/* Draws 1 - cos: Draine's function is Henyey and Greenstein's times 1 + alpha c^2, by rejection (von Neumann 1951). */
-float lobes_turn(velum_phase_lobes lobes) {
-    bool second = draw() < lobes.weight_second;
-    float g = second ? lobes.g_second : lobes.g_first;
-    float alpha = second ? lobes.alpha_second : 0.0;
-    float turn = 0.0;
-    for (int i = 0; i < 64; ++i) {
-        turn = velum_phase_hg_sample(g, draw());
-        float c = 1.0 - turn;
-        if (alpha == 0.0 || draw() * (1.0 + alpha) < 1.0 + alpha * c * c) {
-            break;
-        }
-    }
-    return turn;
 }
 
 /* Top of all that there is, m. */

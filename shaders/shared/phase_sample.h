@@ -1,6 +1,6 @@
-/* Directions drawn from the phase functions of phase.h, by inversion of their distribution functions: for the
- * reference, which must draw exactly what it evaluates. Functions return 1 - cos of the angle by which light turns
- * (0..2): next to a forward peak the cosine alone has no digits left. u: uniform in 0..1; more of it turns less. */
+/* Directions drawn from the phase functions of phase.h, for the reference, which must draw exactly what it evaluates.
+ * Functions return 1 - cos of the angle by which light turns (0..2): next to a forward peak the cosine alone has no
+ * digits left. u: uniform in 0..1; more of it turns less. */
 #ifndef VELUM_PHASE_SAMPLE_H
 #define VELUM_PHASE_SAMPLE_H
 
@@ -62,51 +62,24 @@ VELUM_FN float velum_phase_hg_sample(float g, float u) {
     return velum_clamp((1.0f - g) * (1.0f - u) / d * (s + 1.0f - g), 0.0f, 2.0f);
 }
 
-/* Draine 2003. With s = sqrt(1 + g^2 - 2 g c) its distribution function is a rational function of s (a quartic once
- * multiplied by s; Jendersie & d'Eon 2023, supplement); it is inverted by Newton's method between brackets, in the
- * share that Henyey and Greenstein's function has up to there: their peak is no steep place then. g = 0: (c + alpha c^3
- * / 3). */
-VELUM_FN float velum_phase_draine_share(float c, float g, float alpha) {
-    float share;
-    if (VELUM_ABS(g) < 0.02f) {
-        share = (c + 1.0f + alpha * (c * c * c + 1.0f) * (1.0f / 3.0f)) / (2.0f + alpha * (2.0f / 3.0f));
-    } else {
-        /* Integrals from -1 to c of h and c^2 h, h = (1 - g^2) / 2 s^-3. */
-        float k = 1.0f + g * g;
-        float s = VELUM_SQRT(VELUM_MAX(k - 2.0f * g * c, 1.0e-12f));
-        float e = 1.0f + g;
-        float plain = (1.0f - g * g) / (2.0f * g) * (1.0f / s - 1.0f / e);
-        float square = (1.0f - g * g) / (8.0f * g * g * g) *
-                       (k * k * (1.0f / s - 1.0f / e) + 2.0f * k * (s - e) + (e * e * e - s * s * s) * (1.0f / 3.0f));
-        share = (plain + alpha * square) / (1.0f + alpha * (1.0f + 2.0f * g * g) * (1.0f / 3.0f));
-    }
-    return share;
-}
-VELUM_FN float velum_phase_draine_sample(float g, float alpha, float u) {
-    float low = 0.0f;
-    float high = 1.0f;
-    float v = 0.5f;
-    float norm = 1.0f + alpha * (1.0f + 2.0f * g * g) * (1.0f / 3.0f);
-    float turn = velum_phase_hg_sample(g, u);
-    /* Nothing to be done without alpha: software devices would do it for all lanes. */
-    const int rounds = alpha != 0.0f ? 16 : 0;
-    for (int i = 0; i < rounds; ++i) {
-        turn = velum_phase_hg_sample(g, v);
+/* Draws 1 - cos. Draine's function (2003) is Henyey and Greenstein's times 1 + alpha c^2, by rejection (von Neumann
+ * 1951): at most 1 + alpha tries on average. The includer defines VELUM_PHASE_DRAW(), a new number in 0..1. */
+#ifdef VELUM_PHASE_DRAW
+VELUM_FN float velum_phase_lobes_draw(velum_phase_lobes p) {
+    bool second = VELUM_PHASE_DRAW() < p.weight_second;
+    float g = second ? p.g_second : p.g_first;
+    float alpha = second ? p.alpha_second : 0.0f;
+    float turn = 0.0f;
+    for (int i = 0; i < 64; ++i) {
+        turn = velum_phase_hg_sample(g, VELUM_PHASE_DRAW());
         float c = 1.0f - turn;
-        float miss = velum_phase_draine_share(c, g, alpha) - u;
-        low = miss < 0.0f ? v : low;
-        high = miss > 0.0f ? v : high;
-        float next = v - miss * norm / (1.0f + alpha * c * c);
-        v = i > 3 && next > low && next < high ? next : 0.5f * (low + high);
+        if (alpha == 0.0f || VELUM_PHASE_DRAW() * (1.0f + alpha) < 1.0f + alpha * c * c) {
+            break;
+        }
     }
     return turn;
 }
-
-/* Chooses the lobe by `choice`, 0..1. */
-VELUM_FN float velum_phase_lobes_sample(velum_phase_lobes p, float choice, float u) {
-    bool second = choice < p.weight_second;
-    return velum_phase_draine_sample(second ? p.g_second : p.g_first, second ? p.alpha_second : 0.0f, u);
-}
+#endif
 
 /* A table: values of the phase function, 1/sr, at `count` cosines that ascend from -1 to 1, linear between. The
  * includer defines, before, float velum_phase_table_cos(int i), velum_phase_table_value(int i) and, made by

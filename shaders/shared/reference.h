@@ -11,8 +11,7 @@
 #define VELUM_BIND_REFERENCE_NOISE 4  /* storage: how steep the shape noise is, VELUM_SLOPE_* */
 #define VELUM_BIND_REFERENCE_OUT_VARIANCE 5
 #define VELUM_BIND_REFERENCE_ERROR 6 /* storage: VELUM_SLICE_* */
-#define VELUM_BIND_REFERENCE_LANES 7 /* storage: velum_reference_lane for each invocation, where they are interrupted  \
-                                      */
+#define VELUM_BIND_REFERENCE_LANES 7 /* storage: velum_reference_lane for each invocation, between dispatches */
 
 /* How steep the shape noise is about the cells between the centres of its texels, a byte each: change of filtered rank
  * over a period, within a radius. */
@@ -34,6 +33,11 @@ VELUM_FN float velum_away_rank(int level) {
     float low = 1.0f - VELUM_TO_FLOAT(level) * (1.0f / 16.0f);
     return 1.0f - low * low;
 }
+/* The highest level whose rank is not above this one. */
+VELUM_FN int velum_away_level(float rank) {
+    int level = VELUM_TO_INT(16.0f * (1.0f - VELUM_SQRT(velum_clamp(1.0f - rank, 0.0f, 1.0f))));
+    return level < VELUM_AWAY_LEVELS - 1 ? level : VELUM_AWAY_LEVELS - 1;
+}
 
 #define VELUM_PARTS 4
 
@@ -48,7 +52,8 @@ VELUM_STRUCT(velum_page_bounds) {
                            at most, in it and those around it, over that of the page; 255: 1 */
 };
 
-/* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 8 at most. */
+/* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 4 at most: a byte each
+ * of a word tells what is there. */
 #define VELUM_REFERENCE_CHAINS 4
 
 /* What one path found. */
@@ -77,7 +82,7 @@ VELUM_STRUCT(velum_reference_lane) {
     VELUM_VEC4(light);   /* w: sum of what could be chosen */
     VELUM_VEC4(through); /* w: transmittance of cloud */
     VELUM_VEC4(origin);  /* w: distance of cloud */
-    VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); 0 */
+    VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); 0, 0 */
     VELUM_VEC4(next_d);  /* w: below which roulette begins */
     VELUM_VEC4(next);    /* weight; bound of air */
     velum_reference_flight flights[VELUM_REFERENCE_FLIGHTS];
@@ -125,9 +130,9 @@ VELUM_FN VELUM_UINT velum_reference_turn_of(VELUM_UINT x, VELUM_UINT y, VELUM_UI
 }
 
 /* In velum_view_block, of the reference: march_size: first turn of the slice, turns, paths for each, number of the
- * first path; steps: greatest order (0: all), side of the turns, 1: lanes go on, rounds of a lane's
- * loop at most; march: branches for each collision, asymmetry of their
- * lobe, slope of the detail noise, worth below which roulette begins. */
+ * first path; steps: greatest order (0: all), side of the turns, 1: lanes go on, rounds of a lane's loop at most;
+ * march: branches for each collision, slot of the narrowest forward peak, slope of the detail noise, worth below which
+ * roulette begins. */
 
 /* Words of a frame's counters: rays, samples, light samples, missing tiles; samples above their majorant. */
 #define VELUM_COUNTER_WORDS 8

@@ -33,6 +33,10 @@ double proof_error(const proof_mean *m); /* absolute */
 void proof_tell(proof *p, bool ok, const char *figure_and_bound, ...) __attribute__((format(printf, 3, 4)));
 /* 4 standard errors, and 0.5 % where those are 0.15 % or less. */
 bool proof_meets(double found, double error, double expected);
+/* Of deviations over their standard errors: nearly normal in its square root (Fisher 1922). */
+void proof_tell_chi2(proof *p, const char *what, int count, double chi2);
+/* A file of --shared's accuracy folder, to be closed; skips the part without it. */
+FILE *proof_table(proof *p, const char *name);
 double proof_now_s(void);
 
 /* pi I / (mu0 F0) of the rig's slab, until it is known well enough. */

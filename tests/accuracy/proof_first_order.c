@@ -147,8 +147,7 @@ void proof_first_order(void **state) {
         }
     }
     slab_rig_finish(&p->rig);
-    double normal = sqrt(2.0 * chi2) - sqrt(2.0 * count - 1.0); /* Fisher 1922 */
-    proof_tell(p, normal <= 3.0, "first order, %d figures: chi-squared %.1f, %.2f sigma of 3", count, chi2, normal);
+    proof_tell_chi2(p, "first order", count, chi2);
 }
 
 void proof_curvature(void **state) {

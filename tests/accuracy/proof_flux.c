@@ -134,14 +134,8 @@ static void panorama_destroy(proof *p, panorama *o) {
 
 void proof_flux(void **state) {
     proof *p = *state;
-    char path[1024], line[256];
-    snprintf(path, sizeof path, "%s/accuracy/slab_flux.csv", p->shared ? p->shared : "");
-    FILE *file = p->shared ? fopen(path, "r") : NULL;
-    if (!file) {
-        print_message("skipped: no %s; --shared DIR names the folder that has it\n", p->shared ? path : "tables");
-        p->skipped++;
-        skip();
-    }
+    char line[256];
+    FILE *file = proof_table(p, "slab_flux.csv");
     slab_rig_init(&p->rig);
     panorama *o = panorama_create(p);
     double chi2 = 0.0;
@@ -171,9 +165,7 @@ void proof_flux(void **state) {
     fclose(file);
     panorama_destroy(p, o);
     slab_rig_finish(&p->rig);
-    double normal = sqrt(2.0 * chi2) - sqrt(fmax(2.0 * count - 1.0, 0.0)); /* Fisher 1922 */
-    proof_tell(p, count > 0 && normal <= 3.0, "flux, %d figures: chi-squared %.1f, %.2f sigma of 3", count, chi2,
-               normal);
+    proof_tell_chi2(p, "flux", count, chi2);
 }
 
 void proof_energy(void **state) {

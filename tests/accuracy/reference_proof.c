@@ -61,16 +61,28 @@ void proof_measure(proof *p, const slab_case *c, double thickness_m, proof_mean 
     }
 }
 
-static void meets_radiances(void **state) {
-    proof *p = *state;
-    char path[1024], line[256];
-    snprintf(path, sizeof path, "%s/accuracy/slab_radiance.csv", p->shared ? p->shared : "");
+void proof_tell_chi2(proof *p, const char *what, int count, double chi2) {
+    double normal = sqrt(2.0 * chi2) - sqrt(fmax(2.0 * count - 1.0, 0.0));
+    proof_tell(p, count > 0 && normal <= 3.0, "%s, %d figures: chi-squared %.1f, %.2f sigma of 3", what, count, chi2,
+               normal);
+}
+
+FILE *proof_table(proof *p, const char *name) {
+    char path[1024];
+    snprintf(path, sizeof path, "%s/accuracy/%s", p->shared ? p->shared : "", name);
     FILE *file = p->shared ? fopen(path, "r") : NULL;
     if (!file) {
         print_message("skipped: no %s; --shared DIR names the folder that has it\n", p->shared ? path : "tables");
         p->skipped++;
         skip();
     }
+    return file;
+}
+
+static void meets_radiances(void **state) {
+    proof *p = *state;
+    char line[256];
+    FILE *file = proof_table(p, "slab_radiance.csv");
     slab_rig_init(&p->rig);
     double chi2 = 0.0, worst = 0.0, worst_fine = 0.0, weights = 0.0, bias = 0.0;
     int row = 0, count = 0, fine = 0;
@@ -103,10 +115,7 @@ static void meets_radiances(void **state) {
     }
     fclose(file);
     slab_rig_finish(&p->rig);
-    /* Chi-squared of many degrees of freedom is nearly normal in its square root (Fisher 1922). */
-    double normal = sqrt(2.0 * chi2) - sqrt(fmax(2.0 * count - 1.0, 0.0));
-    proof_tell(p, count > 0 && normal <= 3.0, "radiance, %d rows: chi-squared %.1f, %.2f sigma of 3", count, chi2,
-               normal);
+    proof_tell_chi2(p, "radiance", count, chi2);
     proof_tell(p, worst <= 4.0, "radiance, %d rows: largest deviation %.2f sigma of 4", count, worst);
     proof_tell(p, worst_fine <= 0.005, "radiance, %d rows known to 0.15 %%: largest deviation %.3f %% of 0.5 %%", fine,
                100.0 * worst_fine);

@@ -20,6 +20,15 @@ static float velum_phase_table_share(int i) {
     return table_share[i];
 }
 #define VELUM_PHASE_TABLE
+static uint64_t drawn;
+/* SplitMix64 (Steele et al. 2014). */
+static float drawn_unit(void) {
+    uint64_t z = drawn += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (float)((z ^ z >> 31) >> 40) * 0x1p-24f;
+}
+#define VELUM_PHASE_DRAW() drawn_unit()
 #include "shared/phase_sample.h"
 
 /* Share of light that turns by 1 - cos >= turn, by quadrature in the angle. */
@@ -35,6 +44,7 @@ static double share_beyond(velum_phase_lobes p, double turn) {
     return sum * (3.14159265358979 - from) / steps * 2.0 * 3.14159265358979;
 }
 
+/* As many draws should end beyond an angle as the function sends there: 5 standard deviations of the count. */
 static void lobes_are_drawn_as_they_are(void **state) {
     (void)state;
     const velum_phase_lobes cases[] = {velum_phase_lobes_cloud(false),
@@ -45,20 +55,27 @@ static void lobes_are_drawn_as_they_are(void **state) {
                                        velum_phase_lobes_make(0.0f, 0.0f, 1.0f, 1.0f),
                                        velum_phase_lobes_droplet(velum_phase_droplet_of(10.0f)),
                                        velum_phase_lobes_droplet(velum_phase_droplet_of(40.0f))};
+    enum { DRAWS = 200000, ANGLES = 24 };
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        /* The lobes apart: what is drawn at u leaves the share u behind. */
-        for (int lobe = 0; lobe < 2; lobe++) {
-            velum_phase_lobes p = cases[k];
-            if (lobe == 1 && p.weight_second == 0.0f) {
-                continue;
+        double beyond[ANGLES];
+        int count[ANGLES] = {0};
+        float turns[ANGLES];
+        for (int i = 0; i < ANGLES; i++) {
+            /* From half a degree to 180, evenly in the logarithm. */
+            double half = 0.5 * 3.14159265358979 / 180.0 * 0.5 * pow(360.0, (double)i / ANGLES);
+            turns[i] = (float)(2.0 * sin(half) * sin(half));
+            beyond[i] = share_beyond(cases[k], (double)turns[i]);
+        }
+        for (int n = 0; n < DRAWS; n++) {
+            float turn = velum_phase_lobes_draw(cases[k]);
+            assert_true(turn >= 0.0f && turn <= 2.0f);
+            for (int i = 0; i < ANGLES; i++) {
+                count[i] += turn >= turns[i];
             }
-            p.weight_second = lobe == 1 ? 1.0f : 0.0f;
-            for (int i = 0; i < 40; i++) {
-                float u = ((float)i + 0.5f) / 40.0f;
-                float turn = velum_phase_lobes_sample(p, 0.5f, u);
-                assert_true(turn >= 0.0f && turn <= 2.0f);
-                assert_float_equal(share_beyond(p, (double)turn), (double)u, 2e-3);
-            }
+        }
+        for (int i = 0; i < ANGLES; i++) {
+            double sigma = sqrt(DRAWS * fmax(beyond[i] * (1.0 - beyond[i]), 1.0 / DRAWS));
+            assert_float_equal(count[i], DRAWS * beyond[i], 5.0 * sigma);
         }
         assert_float_equal(share_beyond(cases[k], 0.0), 1.0, 2e-3);
         for (int i = 0; i <= 20; i++) {
