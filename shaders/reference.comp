@@ -38,6 +38,10 @@ const int first_fork = 4096;
 const float sun_worth = 2.0;
 /* Of flights about the sun, in air and on the ground. */
 const float outside_branching = 0.2;
+/* Orders up to which flights about the sun are drawn from the whole phase function; beyond, from its narrow peak alone:
+ * what is drawn for wide lobes thins out the flights of all directions, and on a long way through a deep layer they
+ * would die out, or multiply, by chance. */
+const int last_wide = 12;
 /* Bounds of air are raised for rays that must meet it in many places (the pixel's), or in some (to the sun). */
 const float view_air = 10.0;
 const float sun_air = 3.0;
@@ -384,8 +388,12 @@ void main() {
             /* The forward peak of what comes next makes directions near the sun's rare and bright. A second flight is
              * drawn about the sun now and then, and the two share what both can give (balance heuristic, Veach 1995). */
             bool clouded = medium < VELUM_SLOT_COUNT;
+            int narrow = clouded ? medium : int(view.march.y);
+            velum_phase_lobes sunward = medium_phase(narrow);
+            bool early = order <= last_wide;
             float rate = branching * (clouded ? min(worth * sun_worth, 1.0) : outside_branching);
-            velum_phase_lobes sunward = medium_phase(clouded ? medium : int(view.march.y));
+            rate = early || narrow < VELUM_SLOT_UNIFORM ? rate : 0.0;
+            sunward.weight_second = early ? sunward.weight_second : 0.0;
             for (int branch = rate > 0.0 && next ? 0 : 1; branch < 1; ++branch) {
                 float given = on_ground ? max(dot(normal, next_d), 0.0) / PI
                                         : velum_phase_lobes_turn(lobes, turn_between(d, next_d));
