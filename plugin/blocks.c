@@ -86,15 +86,23 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
     }
 }
 
+core_uniform_phase blocks_uniform_phase(const engine *e, uint32_t slot) {
+    core_uniform_phase phase = {.albedo = 1.0f};
+    if (e->weather.state[0]) {
+        phase = core_state_uniform_phase(e->weather.state[0], slot);
+    }
+    phase.hg_asymmetry = phase.has_hg ? phase.hg_asymmetry : 0.85f;
+    return phase;
+}
+
 static void fill_optics(const engine *e, velum_eye_block *out) {
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         float *optics = out->slots[slot].optics;
         optics[0] = 1.0f;
-        optics[1] = slot >= VELUM_SLOT_UNIFORM ? 0.85f : 0.0f;
-        if (slot >= VELUM_SLOT_UNIFORM && e->weather.state[0]) {
-            core_uniform_phase phase = core_state_uniform_phase(e->weather.state[0], slot);
+        if (slot >= VELUM_SLOT_UNIFORM) {
+            core_uniform_phase phase = blocks_uniform_phase(e, slot);
             optics[0] = phase.albedo;
-            optics[1] = phase.has_hg ? phase.hg_asymmetry : 0.85f;
+            optics[1] = phase.hg_asymmetry;
         }
     }
 }

@@ -8,6 +8,9 @@
 bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef_m[3], const velum_plan *plan,
                      velum_eye_block *out);
 
+/* Phase function (asymmetry given in any case) and albedo of a UNIFORM slot. */
+core_uniform_phase blocks_uniform_phase(const engine *e, uint32_t slot);
+
 /* Whether two weather states, or two lives of the noise, are mixed in this frame. */
 bool blocks_mix(const engine *e);
 

@@ -10,13 +10,15 @@ static void engine_free(engine *e) {
     gpu *g = &e->g;
     pages_finish(&e->pages, g);
     table_space_finish(&e->tables, g);
-    gpu_image *images[] = {&e->shape, &e->detail, &e->air, &e->glow, &e->white, &e->nothing, &e->nothing_layered};
+    gpu_image *images[] = {&e->shape, &e->detail,     &e->air,     &e->glow,
+                           &e->white, &e->scattering, &e->nothing, &e->nothing_layered};
     for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
         gpu_image_finish(g, images[i]);
     }
     gpu_buffer_finish(g, &e->uniforms);
     gpu_buffer_finish(g, &e->counters);
     gpu_buffer_finish(g, &e->noise_slope);
+    gpu_buffer_finish(g, &e->noise_upload);
     for (uint32_t i = 0; i < FRAMES_MAX; i++) {
         frame_slot_finish(e, &e->slots[i]);
     }
@@ -48,7 +50,8 @@ static bool init_resources(engine *e) {
                                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                               GPU_MEMORY_DEVICE) &&
               pages_init(&e->pages, g, STAGE_TOTAL_BYTES / e->frames_in_flight) && table_space_init(&e->tables, g) &&
-              noise_volumes_init(e) && init_table(e, &e->air, half, VELUM_AIR_W, VELUM_AIR_H, flat) &&
+              noise_volumes_init(e) && scattering_init(e) &&
+              init_table(e, &e->air, half, VELUM_AIR_W, VELUM_AIR_H, flat) &&
               init_table(e, &e->glow, half, VELUM_GLOW_SIDE, VELUM_GLOW_SIDE, flat) &&
               init_table(e, &e->nothing, VK_FORMAT_R32_SFLOAT, 1, 1, flat) &&
               init_table(e, &e->nothing_layered, VK_FORMAT_R32_SFLOAT, 1, 1, VK_IMAGE_VIEW_TYPE_2D_ARRAY);

@@ -8,6 +8,7 @@
 #include "gpu.h"
 #include "pages.h"
 #include "shared/arguments.h"
+#include "shared/scattering.h"
 #include "tiles.h"
 #include "world.h"
 
@@ -105,6 +106,13 @@ typedef struct frame_slot {
     uint32_t record_count;
 } frame_slot;
 
+/* What a table of multiple scattering is for. */
+typedef struct scattering_key {
+    velum_phase_lobes phase;
+    float albedo;
+    bool known; /* false: nothing yet */
+} scattering_key;
+
 typedef enum engine_state { ENGINE_IDLE, ENGINE_BEGUN, ENGINE_SHARED } engine_state;
 
 struct engine {
@@ -133,9 +141,12 @@ struct engine {
 
     pages pages;
     table_space tables;
-    gpu_image shape, detail, air, glow, white;
+    gpu_image shape, detail, air, glow, white, scattering;
     gpu_image nothing, nothing_layered; /* stand in for images that the host does not give */
-    bool filled;                        /* noise and white are on the device */
+    gpu_buffer noise_upload;
+    uint64_t noise_serial;                                  /* of the frame that sends it */
+    bool filled;                                            /* noise and white are on the device */
+    scattering_key scattering_key[VELUM_SCATTERING_TABLES]; /* what is there of them */
     bool air_ready;
     bool glow_ready;
     float glow_albedo[3];
@@ -323,6 +334,13 @@ void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t w
 /* noise_volumes.c: the first frame's uploads. */
 bool noise_volumes_init(engine *e);
 velum_result noise_volumes_record(engine *e, VkCommandBuffer commands);
+/* What it took to send them, once the device has them. */
+void noise_volumes_bury(engine *e);
+
+/* scattering.c */
+bool scattering_init(engine *e);
+/* What is not there yet of this frame's weather. */
+velum_result scattering_record(engine *e, VkCommandBuffer commands);
 
 /* plan.c */
 void plan_make(const engine *e, eye *y);

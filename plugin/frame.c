@@ -145,7 +145,8 @@ bool frame_engine_set(engine *e, const gpu_image *sky, VkDescriptorSet *out) {
         [VELUM_BIND_SKY_OUT] = {VK_NULL_HANDLE, sky->view, VK_IMAGE_LAYOUT_GENERAL},
         [VELUM_BIND_GLOW] = {p->linear, e->glow.view, VK_IMAGE_LAYOUT_GENERAL},
         [VELUM_BIND_GLOW_OUT] = {VK_NULL_HANDLE, e->glow.view, VK_IMAGE_LAYOUT_GENERAL},
-        [VELUM_BIND_SHADOW] = {p->linear, s ? s->image.view : e->white.view, VK_IMAGE_LAYOUT_GENERAL}};
+        [VELUM_BIND_SHADOW] = {p->linear, s ? s->image.view : e->white.view, VK_IMAGE_LAYOUT_GENERAL},
+        [VELUM_BIND_SCATTERING] = {p->linear, e->scattering.view, VK_IMAGE_LAYOUT_GENERAL}};
     const VkDescriptorBufferInfo buffers[VELUM_BIND_COUNT] = {
         [VELUM_BIND_EYE] = {e->uniforms.buffer, 0, sizeof(velum_eye_block)},
         [VELUM_BIND_TABLE] = {e->tables.buffer.buffer, 0, VK_WHOLE_SIZE},

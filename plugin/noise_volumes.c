@@ -1,6 +1,4 @@
 /* The noise volumes and the white texel: on the device once, with the first frame. */
-#include <string.h>
-
 #include "engine.h"
 
 /* 16 bits: devices may filter 8-bit textures in 8 bits, and the picture would part from the CPU's answers. */
@@ -25,45 +23,45 @@ bool noise_volumes_init(engine *e) {
            gpu_image_init(&e->g, &e->white, &white);
 }
 
-static void copy_staged(engine *e, VkCommandBuffer commands, gpu_image *image, VkDeviceSize offset) {
+enum { SHAPE_TEXELS = CORE_NOISE_SHAPE_BYTES, DETAIL_TEXELS = CORE_NOISE_DETAIL_BYTES };
+
+static void copy_image(engine *e, VkCommandBuffer commands, gpu_image *image, VkDeviceSize offset) {
     gpu_image_make_general(&e->g, commands, image);
     VkBufferImageCopy copy = {
         .bufferOffset = offset, .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = image->extent};
-    e->g.CmdCopyBufferToImage(commands, e->now->staged.buffer.buffer, image->image, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+    e->g.CmdCopyBufferToImage(commands, e->noise_upload.buffer, image->image, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
 }
 
 /* Values 0..255 become the same share of 65535. */
-static bool copy_volume(engine *e, VkCommandBuffer commands, gpu_image *image, const uint8_t *texels, size_t count) {
-    VkDeviceSize offset = 0;
-    uint16_t *staged = stage_take(&e->now->staged, count * sizeof *staged, &offset);
-    if (!staged) {
-        return false;
+static void widen(const uint8_t *texels, uint32_t count, uint16_t *out) {
+    for (uint32_t i = 0; i < count; i++) {
+        out[i] = (uint16_t)(texels[i] * 257u);
     }
-    for (size_t i = 0; i < count; i++) {
-        staged[i] = (uint16_t)(texels[i] * 257u);
-    }
-    copy_staged(e, commands, image, offset);
-    return true;
 }
 
-static bool copy_white(engine *e, VkCommandBuffer commands) {
-    VkDeviceSize offset = 0;
-    uint16_t *staged = stage_take(&e->now->staged, sizeof *staged, &offset);
-    if (!staged) {
-        return false;
-    }
-    *staged = 0x3c00; /* 1 as a half float */
-    copy_staged(e, commands, &e->white, offset);
-    return true;
-}
-
+/* A buffer of its own, for this frame alone: the stage of a frame would be larger than any later one asks for. */
 velum_result noise_volumes_record(engine *e, VkCommandBuffer commands) {
     const core_noise *noise = world_noise(e->w);
-    if (!noise || !copy_volume(e, commands, &e->shape, noise->shape, sizeof noise->shape) ||
-        !copy_volume(e, commands, &e->detail, noise->detail, sizeof noise->detail) || !copy_white(e, commands)) {
+    const VkDeviceSize bytes = (SHAPE_TEXELS + DETAIL_TEXELS + 2) * sizeof(uint16_t);
+    if (!noise || (!e->noise_upload.buffer && !gpu_buffer_init(&e->g, &e->noise_upload, bytes,
+                                                               VK_BUFFER_USAGE_TRANSFER_SRC_BIT, GPU_MEMORY_UPLOAD))) {
         return log_fail(&e->sink, VELUM_ERROR_OUT_OF_MEMORY, "engine",
                         "record_shared: no memory for the noise volumes");
     }
+    uint16_t *staged = e->noise_upload.mapped;
+    widen(noise->shape, SHAPE_TEXELS, staged);
+    widen(noise->detail, DETAIL_TEXELS, staged + SHAPE_TEXELS);
+    staged[SHAPE_TEXELS + DETAIL_TEXELS] = 0x3c00; /* 1 as a half float */
+    copy_image(e, commands, &e->shape, 0);
+    copy_image(e, commands, &e->detail, SHAPE_TEXELS * sizeof *staged);
+    copy_image(e, commands, &e->white, (SHAPE_TEXELS + DETAIL_TEXELS) * sizeof *staged);
+    e->noise_serial = e->newest_serial;
     e->filled = true;
     return VELUM_OK;
+}
+
+void noise_volumes_bury(engine *e) {
+    if (e->filled && e->noise_serial <= e->completed_serial) {
+        gpu_buffer_finish(&e->g, &e->noise_upload);
+    }
 }

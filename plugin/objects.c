@@ -47,6 +47,7 @@ static void free_shadow(shadow *s) {
 }
 
 void objects_bury(engine *e) {
+    noise_volumes_bury(e);
     for (eye **at = &e->dead_eyes; *at;) {
         eye *y = *at;
         if (y->last_serial <= e->completed_serial) {

@@ -71,7 +71,7 @@ static velum_result record_begin(engine *e, VkCommandBuffer commands) {
         gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     }
-    return VELUM_OK;
+    return scattering_record(e, commands);
 }
 
 /* The eyes of the call, checked whole before anything is recorded. */

@@ -5,7 +5,7 @@
 #include "air.glsl"
 #include "view.glsl"
 #include "weather.glsl"
-#include "shared/phase.h"
+#include "scattering.glsl"
 #include "shared/slab.h"
 #include "study.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
@@ -99,17 +99,18 @@ velum_slab_span slab_span(cloud_hit hit) {
     return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
 }
 
-/* What the eye gets of a uniform layer from a step, over what the step takes. */
-velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
+/* What the eye gets of a uniform layer from a step, over what the step takes; light of the sun falls off by `scale` of
+ * the extinction. */
+velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun, float scale) {
     velum_slot_fields f = hit.fields;
     bool at_point = STUDIED(study_at_point(), false);
     float first = clamp(velum_height_along(hit.at_h_m, hit.rise, span.from_m), f.base_m, f.top_m);
     float last = clamp(velum_height_along(hit.at_h_m, hit.rise, span.to_m), f.base_m, f.top_m);
     first = at_point ? hit.height_m : first;
     last = at_point ? hit.height_m : last;
-    float to_sun = f.extinction_1_m / max(mu_sun, 1e-3);
+    float to_sun = scale * f.extinction_1_m / max(mu_sun, 1e-3);
     return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * span.inside_m, to_sun * (f.top_m - first),
-                               to_sun * (f.top_m - last), 0.75 * (1.0 - eye.slots[hit.slot].optics.y));
+                               to_sun * (f.top_m - last));
 }
 
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
@@ -143,15 +144,29 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     vec3 from_below = ambient_at(hit.height_m, true) / (1.0 + 0.10 * min(column * z, flank));
     vec3 source = sun * orders + (from_above + from_below) * 0.5;
 
-    /* A uniform layer knows its light in closed form. */
+    /* A uniform layer is what the table is made for. */
     float g = eye.slots[hit.slot].optics.y;
+    float albedo = eye.slots[hit.slot].optics.x;
     for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
+        velum_phase_lobes own = velum_phase_lobes_make(g, 0.0, 0.0, 0.0);
         velum_slab_span span = slab_span(hit);
-        velum_slab_light light = slab_light(hit, span, mu_sun);
-        float slab_share = 1.0 - exp(-0.1 * f.extinction_1_m * thickness);
-        source = sun * (velum_phase_hg(phases.cos_sun, g) * light.direct +
-                        slab_share * 2.2 * VELUM_INV_4PI * max(light.diffuse - light.direct, 0.0)) *
-                 eye.slots[hit.slot].optics.x;
+        velum_slab_light light = slab_light(hit, span, mu_sun, 1.0 - albedo * velum_scattering_peak(own));
+        int which = VELUM_SCATTERING_UNIFORM + hit.slot - VELUM_SLOT_UNIFORM;
+        float depth = f.extinction_1_m * span.inside_m;
+        vec3 above = ambient_at(hit.height_m, false);
+        vec3 below = ambient_at(hit.height_m, true);
+        source = sun * albedo * velum_phase_hg(phases.cos_sun, g) * light.direct;
+        /* Two points of Gauss and Legendre over the light that the step takes. */
+        for (int i = 0; i < 2; ++i) {
+            float share = velum_slab_share(depth, i == 0 ? 0.21132487 : 0.78867513);
+            float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
+            h = STUDIED(study_at_point() ? hit.height_m : h, h);
+            float over = f.extinction_1_m * max(f.top_m - h, 0.0);
+            float under = f.extinction_1_m * max(h - f.base_m, 0.0);
+            vec2 sky = scattered_sky(which, over, under, -hit.rise);
+            source += 0.5 * (sun * scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun) +
+                             above * sky.x + below * sky.y);
+        }
         float seen_m = mix(span.from_m, span.to_m, light.place);
         place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
     }
@@ -168,7 +183,7 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
         theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : depth;
         theirs.depth_above = min(column * above, flank);
         theirs.depth_below = min(column * z, flank);
-        source = study_octave_source(theirs) * (uniform_layer ? eye.slots[hit.slot].optics.x : 1.0);
+        source = study_octave_source(theirs) * (uniform_layer ? albedo : 1.0);
     }
 #endif
     return source;

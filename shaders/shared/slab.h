@@ -60,16 +60,21 @@ VELUM_FN float velum_mean_transmittance(float depth) {
     return depth < 0.01f ? 1.0f - depth * (0.5f - depth * (1.0f / 6.0f)) : (1.0f - through) / depth;
 }
 
+/* How far through a step of optical depth `depth`, 0..1, a share of all that it takes has been taken. */
+VELUM_FN float velum_slab_share(float depth, float share) {
+    float opacity = 1.0f - VELUM_EXP(-depth);
+    return depth < 0.01f ? share : VELUM_MIN(-VELUM_LOG(1.0f - share * opacity) / depth, 1.0f);
+}
+
 /* Means over a step of optical depth `depth`, each place weighted by the share of its light that leaves the near end.
  */
 VELUM_STRUCT(velum_slab_light) {
-    float direct;  /* exp(-d), d being the depth from there towards the sun */
-    float diffuse; /* 1 / (1 + fall d) */
-    float place;   /* of the way through the step, 0..1 */
+    float direct; /* exp(-d), d being the depth from there towards the sun */
+    float place;  /* of the way through the step, 0..1 */
 };
 
 /* d falls or rises in proportion from `near_depth` to `far_depth`, both >= 0. */
-VELUM_FN velum_slab_light velum_slab_light_of(float depth, float near_depth, float far_depth, float fall) {
+VELUM_FN velum_slab_light velum_slab_light_of(float depth, float near_depth, float far_depth) {
     velum_slab_light light;
     float mean = velum_mean_transmittance(depth);
     /* exp(-d) exp(-t) is one exponential: of its two ends the greater stands before the mean. */
@@ -79,16 +84,6 @@ VELUM_FN velum_slab_light velum_slab_light_of(float depth, float near_depth, flo
     /* t / depth - t / (exp(depth) - 1), t = 1 at the far end. */
     light.place = depth < 0.03f ? 0.5f - depth * (1.0f / 12.0f)
                                 : VELUM_MAX(1.0f / depth - VELUM_EXP(-depth) / (1.0f - VELUM_EXP(-depth)), 0.0f);
-    /* Four points of Gauss and Legendre (Abramowitz & Stegun 1964, 25.4.30) over the light that the step takes. */
-    float opacity = 1.0f - VELUM_EXP(-depth);
-    float sum = 0.0f;
-    for (int i = 0; i < 4; ++i) {
-        float u = i == 0 ? 0.06943184f : (i == 1 ? 0.33000948f : (i == 2 ? 0.66999052f : 0.93056816f));
-        float weight = i == 0 || i == 3 ? 0.17392742f : 0.32607258f;
-        float t = depth < 0.01f ? u : VELUM_MIN(-VELUM_LOG(1.0f - u * opacity) / depth, 1.0f);
-        sum = sum + weight / (1.0f + fall * velum_mix(near_depth, far_depth, t));
-    }
-    light.diffuse = sum;
     return light;
 }
 

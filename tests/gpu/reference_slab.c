@@ -21,9 +21,13 @@ static void mix(const double up[3], double mu, const double side[3], double acro
 }
 
 void slab_rig_init(slab_rig *rig) {
+    slab_rig_init_preset(rig, VELUM_QUALITY_REFERENCE);
+}
+
+void slab_rig_init_preset(slab_rig *rig, int32_t quality) {
     memset(rig, 0, sizeof *rig);
     fixture_init(&rig->f, false);
-    const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = VELUM_QUALITY_REFERENCE};
+    const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = quality};
     assert_int_equal(rig->f.engine_api->create_eye(rig->f.engine, &desc, &rig->eye), VELUM_OK);
     rig->view = fixture_view(&rig->f, rig->eye, SLAB_SIDE, SLAB_SIDE);
 }
@@ -84,9 +88,9 @@ void slab_rig_render(slab_rig *rig, const velum_frame_info *frame, const double 
     }
 }
 
-double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t paths, double *error,
-                        double *through) {
-    double east[3], north[3], up[3], sun[3], ahead[3], side[3], position[3];
+/* Before the face that the radiance leaves, looking against it. */
+static velum_view_frame aim(const slab_case *c, double thickness_m, double sun[3], double position[3]) {
+    double east[3], north[3], up[3], ahead[3], side[3];
     fixture_axes(LAT_DEG, LON_DEG, east, north, up);
     mix(up, c->mu0, east, sqrt(fmax(1.0 - c->mu0 * c->mu0, 0.0)), sun);
     /* Looks against the radiance, whose azimuth counts from that of the sun's beam, which is -east. */
@@ -107,7 +111,13 @@ double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, u
         right[i] /= sqrt(length);
     }
     fixture_position(LAT_DEG, LON_DEG, c->up ? BASE_M + thickness_m + 5.0 : BASE_M - 5.0, position);
-    const velum_view_frame camera = fixture_camera(position, ahead, right, 0.0005f, 0.0005f);
+    return fixture_camera(position, ahead, right, 0.0005f, 0.0005f);
+}
+
+double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t paths, double *error,
+                        double *through) {
+    double sun[3], position[3];
+    const velum_view_frame camera = aim(c, thickness_m, sun, position);
     velum_frame_info frame = fixture_frame(sun, rig->time_s, VELUM_ATMOSPHERE_NONE);
     rig->time_s += 1.0;
     frame.sun_angular_radius_rad = 1e-5f;
@@ -123,6 +133,28 @@ double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, u
     double scale = 3.14159265358979 / c->mu0 / SLAB_PIXELS;
     *error = sqrt(squares) * scale;
     return sum * scale;
+}
+
+double slab_rig_settle(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t frames) {
+    double sun[3];
+    velum_eye_frame eye = {.struct_size = sizeof eye, .eye = rig->eye, .flags = VELUM_EYE_RESET};
+    const velum_view_frame camera = aim(c, thickness_m, sun, eye.position_ecef_m);
+    velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_NONE);
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = rig->view,
+                                 .frame = &camera,
+                                 .luminance_rgb = rig->light,
+                                 .width = SLAB_SIDE,
+                                 .height = SLAB_SIDE};
+    for (uint32_t i = 0; i < frames; i++) {
+        assert_int_equal(rig->f.standalone_api->render(rig->f.engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+        eye.flags = 0;
+    }
+    double sum = 0.0;
+    for (int i = 0; i < SLAB_PIXELS; i++) {
+        sum += (double)rig->light[3 * i + 1];
+    }
+    return sum * 3.14159265358979 / c->mu0 / SLAB_PIXELS;
 }
 
 bool slab_case_parse(const char *line, slab_case *out) {

@@ -24,6 +24,7 @@ typedef struct slab_case {
 
 /* Skips the test where there is no device. */
 void slab_rig_init(slab_rig *rig);
+void slab_rig_init_preset(slab_rig *rig, int32_t quality);
 void slab_rig_finish(slab_rig *rig);
 void slab_rig_layer(slab_rig *rig, const slab_case *c, double thickness_m);
 /* Greatest order of scattering; 0: all. */
@@ -34,6 +35,8 @@ void slab_rig_render(slab_rig *rig, const velum_frame_info *frame, const double 
 /* pi I / (mu0 F0), its standard error, and the transmittance along the view. */
 double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t paths, double *error,
                         double *through);
+/* pi I / (mu0 F0) in a preset, after so many frames. */
+double slab_rig_settle(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t frames);
 /* One row of tests/data/slab_rows.csv or of the tables it is from: ssa,g,tau,mu0,side,mu,phi_deg,BRF... */
 bool slab_case_parse(const char *line, slab_case *out);
 
