@@ -84,7 +84,7 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
         float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
-        for (int once = i < STUDIED(study_sun_lumps(), 2) ? 0 : 1; once < 1; ++once) {
+        for (int once = STUDIED(i < study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
             lump = lump_noise(hit.slot, f, p);
         }
         float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));

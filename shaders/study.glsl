@@ -56,7 +56,7 @@ bool study_at_point() {
 }
 
 int study_sun_lumps() {
-    return view.study.w == VELUM_STUDY_SUN_COARSE ? 0 : view.study.w == VELUM_STUDY_SUN_FINE ? 64 : 2;
+    return view.study.w == VELUM_STUDY_SUN_COARSE ? 0 : 64;
 }
 
 float study_sun_fine(int slot, velum_slot_fields f, vec3 r) {
