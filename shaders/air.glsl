@@ -37,12 +37,21 @@ float sun_over_horizon(float height_m, float mu) {
     return smoothstep(-radius, radius, mu - velum_horizon_mu(height_m));
 }
 
+/* Asymmetry of haze; what it scatters forward, as delta-M has it (Wiscombe 1977), still counts as the sun's. */
+const float haze_g = 0.7;
+
+float sun_through_haze(float height_m, float mu) {
+    float slant = velum_slant(haze_scale_m, height_m, mu);
+    return exp(-(1.0 - haze_g * haze_g) * haze_extinction_1_m(height_m) * haze_scale_m * slant);
+}
+
 /* Transmittance of air, fog apart, between the eye's side and the sun; 1 without air. */
 vec3 sun_through_air(float height_m, float mu) {
     if (eye.ground.w == 0.0) {
         return vec3(1.0);
     }
-    return air_to_space(height_m, max(mu, velum_horizon_mu(height_m))) * sun_over_horizon(height_m, mu);
+    return air_to_space(height_m, max(mu, velum_horizon_mu(height_m))) * sun_over_horizon(height_m, mu) *
+           sun_through_haze(height_m, mu);
 }
 
 /* Of fog and haze over a straight stretch between two heights. */
@@ -119,7 +128,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
         vec3 source = air_source(p.height_m, mu_sun, cos_sun, with_glow);
         for (int once = haze > 0.0 ? 0 : 1; once < 1; ++once) {
-            source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, 0.7) +
+            source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, haze_g) +
                               1.5 * glow_at(p.height_m, mu_sun));
         }
         for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {

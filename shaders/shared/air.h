@@ -87,4 +87,14 @@ VELUM_FN float velum_horizon_mu(float height_m) {
     return -VELUM_SQRT(h * (2.0f * VELUM_WGS84_A_M + h)) / r;
 }
 
+/* What lies on a slant way to space over what lies straight up, of matter that thins out upward exponentially with
+ * `scale_m`: Chapman 1931, sqrt(pi x / 2) exp(z^2) erfc(z), by the approximation of Ren & MacKenzie 2007. mu: cosine to
+ * the vertical; below the horizon as at it. */
+VELUM_FN float velum_slant(float scale_m, float height_m, float mu) {
+    const float a = 2.9110f;
+    float x = 1.5707963f * (VELUM_WGS84_A_M + height_m) / scale_m;
+    float z2 = x * VELUM_MAX(mu, 0.0f) * VELUM_MAX(mu, 0.0f);
+    return VELUM_SQRT(x) * a / ((a - 1.0f) * VELUM_SQRT(z2) + VELUM_SQRT(z2 + a * a));
+}
+
 #endif

@@ -190,7 +190,7 @@ enum {
 
 /* Depth of cloud towards the sun. No effect on uniform layers, whose depth is known. */
 enum {
-    VELUM_SUN_DEPTH_STEPS = 0,  /* light_steps samples, the first two of them with lumps */
+    VELUM_SUN_DEPTH_STEPS = 0,  /* light_steps samples, with lumps, without fine detail */
     VELUM_SUN_DEPTH_COARSE = 1, /* without lumps */
     VELUM_SUN_DEPTH_FINE = 2,   /* all with lumps and fine detail */
     VELUM_SUN_DEPTH_MAP = 3     /* the engine's newest shadow map, no samples: too dark in cloud, as the map counts all
