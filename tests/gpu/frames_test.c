@@ -8,6 +8,7 @@
 enum { WIDTH = 48, HEIGHT = 40 };
 
 typedef struct host {
+    uint32_t turns;
     fixture f;
     const velum_vulkan_api *api;
     lent *l;
@@ -35,8 +36,8 @@ static bool has_validation(void) {
     return result == VELUM_OK;
 }
 
-static void host_init(host *h) {
-    *h = (host){0};
+static void host_init_turns(host *h, uint32_t turns) {
+    *h = (host){.turns = turns};
     bool validate = has_validation();
     if (!validate) {
         print_message("without validation layers: VK_LAYER_KHRONOS_validation is not installed, or no device\n");
@@ -49,7 +50,7 @@ static void host_init(host *h) {
     assert_int_equal(velum_negotiate(&info, &plugin), VELUM_OK);
     h->api = plugin.get_table(VELUM_VULKAN_API_ID);
     assert_non_null(h->api);
-    h->l = lent_create(&h->f, 2, WIDTH, HEIGHT);
+    h->l = lent_create(&h->f, turns, WIDTH, HEIGHT);
     velum_vulkan_lend lend = lent_desc(h->l);
     assert_int_equal(h->api->create_engine(&lend, &h->engine), VELUM_OK);
     const velum_eye_desc eye = {.struct_size = sizeof eye, .quality = VELUM_QUALITY_LOW};
@@ -68,6 +69,10 @@ static void host_init(host *h) {
     memcpy(h->centre.centre_ecef_m, h->at.position_ecef_m, sizeof h->centre.centre_ecef_m);
 }
 
+static void host_init(host *h) {
+    host_init_turns(h, 2);
+}
+
 static void host_finish(host *h) {
     lent_wait(h->l);
     assert_int_equal(h->f.engine_api->complete(h->engine, h->frame.submit_serial), VELUM_OK);
@@ -82,13 +87,13 @@ static void host_finish(host *h) {
 
 static velum_result begin(host *h) {
     h->frame.submit_serial++;
-    h->frame.completed_serial = h->frame.submit_serial > 2 ? h->frame.submit_serial - 2 : 0;
+    h->frame.completed_serial = h->frame.submit_serial > h->turns ? h->frame.submit_serial - h->turns : 0;
     return h->f.engine_api->begin_frame(h->engine, &h->frame);
 }
 
 /* A whole frame; the result of record_shared. */
 static velum_result whole_frame(host *h) {
-    uint32_t turn = (uint32_t)(h->frame.submit_serial % 2);
+    uint32_t turn = (uint32_t)(h->frame.submit_serial % h->turns);
     VkCommandBuffer commands = lent_begin(h->l, turn);
     assert_int_equal(begin(h), VELUM_OK);
     velum_result shared = h->api->record_shared(h->engine, commands, &h->at, 1, sizeof h->at);
@@ -104,6 +109,18 @@ static velum_result whole_frame(host *h) {
     assert_int_equal(h->f.engine_api->end_frame(h->engine), VELUM_OK);
     lent_submit(h->l, turn);
     return shared;
+}
+
+/* Each frame's share of the stage is smaller than what the first one sends. */
+static void four_frames_in_flight_run(void **state) {
+    (void)state;
+    host h;
+    host_init_turns(&h, 4);
+    for (int i = 0; i < 6; i++) {
+        whole_frame(&h);
+    }
+    assert_int_equal(h.f.errors, 0);
+    host_finish(&h);
 }
 
 static void runs_in_silence(void **state) {
@@ -404,6 +421,7 @@ static void pipeline_cache_comes_back(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(runs_in_silence),
+                                       cmocka_unit_test(four_frames_in_flight_run),
                                        cmocka_unit_test(refuses_the_wrong_order),
                                        cmocka_unit_test(refuses_bad_serials),
                                        cmocka_unit_test(objects_outlive_their_handles),
