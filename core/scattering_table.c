@@ -29,6 +29,8 @@ typedef struct solver {
     double albedo, peak;       /* of the whole function */
     double albedo_rest, scale; /* without it: albedo; optical depth over the true one */
     double mus[MUS];           /* of the table */
+    double suns[SUNS][N];      /* shares of the nodes in the table's suns */
+    double cosine[4][AZIMUTHS];
     matrix reflects[DEPTHS], transmits[DEPTHS];
     double sun[DEPTHS][DEPTHS][N][MUS][AZIMUTHS];
     double sky[DEPTHS][DEPTHS][MUS]; /* from beyond the lit face */
@@ -291,18 +293,16 @@ static void write_suns(const solver *s, int above, int below, int o, float out[C
         for (int c = 0; c < 4; c++) {
             double sum = 0.0;
             for (int k = 0; k < AZIMUTHS; k++) {
-                sum += log2(fmax(s->sun[above][below][i][o][k], least)) * cos(c * pi * (k + 0.5) / AZIMUTHS);
+                sum += log2(fmax(s->sun[above][below][i][o][k], least)) * s->cosine[c][k];
             }
             own[i][c] = sum * (c == 0 ? 1.0 : 2.0) / AZIMUTHS;
         }
     }
     for (int sun = 0; sun < SUNS; sun++) {
-        double weights[N];
-        sun_weights(s, sun, weights);
         for (int c = 0; c < 4; c++) {
             double sum = 0.0;
             for (int i = 0; i < N; i++) {
-                sum += weights[i] * own[i][c];
+                sum += s->suns[sun][i] * own[i][c];
             }
             /* Straight up there is no azimuth. Polynomials may leave what is possible. */
             sum = sun == SUNS - 1 && c > 0 ? 0.0 : fmin(fmax(sum, log2(least)), -log2(least));
@@ -326,6 +326,12 @@ bool core_scattering_table(velum_phase_lobes phase, float albedo, float out[CORE
     }
     for (int o = 0; o < MUS; o++) {
         s->mus[o] = 2.0 * o / (MUS - 1) - 1.0;
+    }
+    for (int sun = 0; sun < SUNS; sun++) {
+        sun_weights(s, sun, s->suns[sun]);
+    }
+    for (int i = 0; i < 4 * AZIMUTHS; i++) {
+        s->cosine[i / AZIMUTHS][i % AZIMUTHS] = cos(i / AZIMUTHS * pi * (i % AZIMUTHS + 0.5) / AZIMUTHS);
     }
     for (int m = 0; m < MOMENTS; m++) {
         add_mode(s, m);

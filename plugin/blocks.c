@@ -103,6 +103,8 @@ static void fill_optics(const engine *e, velum_eye_block *out) {
             core_uniform_phase phase = blocks_uniform_phase(e, slot);
             optics[0] = phase.albedo;
             optics[1] = phase.hg_asymmetry;
+            const velum_phase_lobes lobes = velum_phase_lobes_make(phase.hg_asymmetry, 0.0f, 0.0f, 0.0f);
+            optics[2] = 1.0f - phase.albedo * velum_scattering_peak(lobes);
         }
     }
 }

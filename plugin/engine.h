@@ -108,9 +108,8 @@ typedef struct frame_slot {
 
 /* What a table of multiple scattering is for. */
 typedef struct scattering_key {
-    velum_phase_lobes phase;
-    float albedo;
-    bool known; /* false: nothing yet */
+    float albedo, hg_asymmetry;
+    bool filled; /* false: nothing yet */
 } scattering_key;
 
 typedef enum engine_state { ENGINE_IDLE, ENGINE_BEGUN, ENGINE_SHARED } engine_state;
@@ -334,7 +333,7 @@ void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t w
 /* noise_volumes.c: the first frame's uploads. */
 bool noise_volumes_init(engine *e);
 velum_result noise_volumes_record(engine *e, VkCommandBuffer commands);
-/* What it took to send them, once the device has them. */
+/* Frees what it took to send them, once the device has them. */
 void noise_volumes_bury(engine *e);
 
 /* scattering.c */

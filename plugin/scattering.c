@@ -1,5 +1,4 @@
-/* The tables of multiple scattering: water and ice with the first frame, those of uniform layers when they are seen. */
-#include <math.h>
+/* The tables of multiple scattering: of the uniform layers that the weather has. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,12 +26,12 @@ static uint16_t half_of(float x) {
     return (uint16_t)(rounded < 0x38800000u ? sign : sign | (rounded - 0x38000000u) >> 13);
 }
 
-static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which) {
-    const scattering_key *key = &e->scattering_key[which];
+static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which, core_uniform_phase phase) {
     float(*texels)[4] = malloc(CORE_SCATTERING_TEXELS * sizeof *texels);
     VkDeviceSize offset = 0;
     uint16_t *staged = stage_take(&e->now->staged, CORE_SCATTERING_TEXELS * 4 * sizeof *staged, &offset);
-    bool ok = texels && staged && core_scattering_table(key->phase, key->albedo, texels);
+    const velum_phase_lobes lobes = velum_phase_lobes_make(phase.hg_asymmetry, 0.0f, 0.0f, 0.0f);
+    bool ok = texels && staged && core_scattering_table(lobes, phase.albedo, texels);
     for (size_t i = 0; ok && i < CORE_SCATTERING_TEXELS * 4; i++) {
         staged[i] = half_of(texels[i / 4][i % 4]);
     }
@@ -48,50 +47,27 @@ static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which) {
     return ok;
 }
 
-static uint32_t slot_of(uint32_t which) {
-    return VELUM_SLOT_UNIFORM + which - VELUM_SCATTERING_UNIFORM;
-}
-
-static bool is_same(const scattering_key *a, const scattering_key *b) {
-    return a->known == b->known && a->albedo == b->albedo && memcmp(&a->phase, &b->phase, sizeof a->phase) == 0;
-}
-
-static scattering_key key_of(const engine *e, uint32_t which) {
-    scattering_key key = {.albedo = 1.0f, .known = true};
-    if (which < VELUM_SCATTERING_UNIFORM) {
-        key.phase = velum_phase_lobes_cloud(which == VELUM_SCATTERING_ICE);
-    } else {
-        core_uniform_phase uniform = blocks_uniform_phase(e, slot_of(which));
-        key.albedo = uniform.albedo;
-        key.phase = velum_phase_lobes_make(uniform.hg_asymmetry, 0.0f, 0.0f, 0.0f);
-    }
-    return key;
-}
-
 velum_result scattering_record(engine *e, VkCommandBuffer commands) {
-    const core_state *state = e->weather.state[0];
-    const uint32_t slots = state ? core_state_slot_mask(state) : 0;
-    bool copied = false;
+    uint32_t slots = 0;
+    for (int i = 0; i < 2; i++) {
+        slots |= e->weather.state[i] ? core_state_slot_mask(e->weather.state[i]) : 0;
+    }
     gpu_image_make_general(&e->g, commands, &e->scattering);
     for (uint32_t i = 0; i < VELUM_SCATTERING_TABLES; i++) {
-        const bool used = i < VELUM_SCATTERING_UNIFORM || (slots & (1u << slot_of(i))) != 0;
-        const scattering_key key = key_of(e, i);
-        if (!used || is_same(&key, &e->scattering_key[i])) {
+        scattering_key *known = &e->scattering_key[i];
+        const core_uniform_phase phase = blocks_uniform_phase(e, VELUM_SLOT_UNIFORM + i);
+        if (!(slots & (1u << (VELUM_SLOT_UNIFORM + i))) ||
+            (known->filled && known->albedo == phase.albedo && known->hg_asymmetry == phase.hg_asymmetry)) {
             continue;
         }
-        if (!copied) {
-            gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
-                        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
-        }
-        copied = true;
-        e->scattering_key[i] = key;
-        if (!copy_table(e, commands, i)) {
-            e->scattering_key[i].known = false;
+        gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
+                    VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+        known->filled = false;
+        if (!copy_table(e, commands, i, phase)) {
             return log_fail(&e->sink, VELUM_ERROR_OUT_OF_MEMORY, "engine",
                             "record_shared: no memory for the tables of scattering");
         }
-    }
-    if (copied) {
+        *known = (scattering_key){.albedo = phase.albedo, .hg_asymmetry = phase.hg_asymmetry, .filled = true};
         gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     }

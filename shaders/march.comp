@@ -84,7 +84,7 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
         float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
-        for (int once = STUDIED(i < study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
+        for (int once = STUDIED(study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
             lump = lump_noise(hit.slot, f, p);
         }
         float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));
@@ -99,16 +99,15 @@ velum_slab_span slab_span(cloud_hit hit) {
     return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
 }
 
-/* What the eye gets of a uniform layer from a step, over what the step takes; light of the sun falls off by `scale` of
- * the extinction. */
-velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun, float scale) {
+/* What the eye gets of a uniform layer from a step, over what the step takes. */
+velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
     velum_slot_fields f = hit.fields;
     bool at_point = STUDIED(study_at_point(), false);
     float first = clamp(velum_height_along(hit.at_h_m, hit.rise, span.from_m), f.base_m, f.top_m);
     float last = clamp(velum_height_along(hit.at_h_m, hit.rise, span.to_m), f.base_m, f.top_m);
     first = at_point ? hit.height_m : first;
     last = at_point ? hit.height_m : last;
-    float to_sun = scale * f.extinction_1_m / max(mu_sun, 1e-3);
+    float to_sun = eye.slots[hit.slot].optics.z * f.extinction_1_m / max(mu_sun, 1e-3);
     return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * span.inside_m, to_sun * (f.top_m - first),
                                to_sun * (f.top_m - last));
 }
@@ -148,10 +147,9 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     float g = eye.slots[hit.slot].optics.y;
     float albedo = eye.slots[hit.slot].optics.x;
     for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
-        velum_phase_lobes own = velum_phase_lobes_make(g, 0.0, 0.0, 0.0);
         velum_slab_span span = slab_span(hit);
-        velum_slab_light light = slab_light(hit, span, mu_sun, 1.0 - albedo * velum_scattering_peak(own));
-        int which = VELUM_SCATTERING_UNIFORM + hit.slot - VELUM_SLOT_UNIFORM;
+        velum_slab_light light = slab_light(hit, span, mu_sun);
+        int which = hit.slot - VELUM_SLOT_UNIFORM;
         float depth = f.extinction_1_m * span.inside_m;
         vec3 above = ambient_at(hit.height_m, false);
         vec3 below = ambient_at(hit.height_m, true);

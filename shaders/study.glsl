@@ -55,8 +55,8 @@ bool study_at_point() {
     return view.study.y != 0u;
 }
 
-int study_sun_lumps() {
-    return view.study.w == VELUM_STUDY_SUN_COARSE ? 0 : 64;
+bool study_sun_lumps() {
+    return view.study.w != VELUM_STUDY_SUN_COARSE;
 }
 
 float study_sun_fine(int slot, velum_slot_fields f, vec3 r) {

@@ -26,7 +26,8 @@ VELUM_STRUCT(velum_slot_block) {
     VELUM_VEC4(fine_1);
     VELUM_VEC4(bounds); /* lowest base, highest top (HAE m) among the tiles of the table; stretch; of the reference
                            alone: greatest extinction */
-    VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g; else 1, 0 */
+    VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g, share of the extinction by which the sun's
+                           light falls off (shared/scattering.h); else 1, 0, 0 */
 };
 
 /* An eye in a frame. */

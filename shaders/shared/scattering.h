@@ -17,10 +17,7 @@
 #define VELUM_SCATTERING_SUNS 13
 #define VELUM_SCATTERING_SLICES (VELUM_SCATTERING_MUS * (VELUM_SCATTERING_SUNS + 1))
 
-#define VELUM_SCATTERING_WATER 0
-#define VELUM_SCATTERING_ICE 1
-#define VELUM_SCATTERING_UNIFORM 2 /* and the next */
-#define VELUM_SCATTERING_TABLES 4
+#define VELUM_SCATTERING_TABLES 2 /* VELUM_SLOT_UNIFORM and the next */
 
 /* Streams in a half space. What phase functions have beyond twice as many moments goes straight on: the part
  * `velum_scattering_peak` of all scattering (delta-M, Wiscombe 1977). */
@@ -58,21 +55,24 @@ VELUM_FN float velum_scattering_thin(float depth) {
     return VELUM_MIN(depth * VELUM_EXP2(VELUM_TO_FLOAT(-VELUM_SCATTERING_DEPTH_LOW - 1)), 1.0f);
 }
 
+/* Moment l of Henyey and Greenstein's function: g^l, of a negative g too. */
+VELUM_FN float velum_phase_hg_moment(float g, int l) {
+    float power = l == 0 ? 1.0f : VELUM_POW(VELUM_ABS(g), VELUM_TO_FLOAT(l));
+    return g < 0.0f && l % 2 == 1 ? -power : power;
+}
+
 /* Moment l of a phase function: mean of the Legendre polynomial of cos. cos^2 P_l is a sum of P_l-2, P_l and P_l+2. */
 VELUM_FN float velum_phase_lobes_moment(velum_phase_lobes p, int l) {
     float n = VELUM_TO_FLOAT(l);
     float g = p.g_second;
-    float power = l == 0 ? 1.0f : VELUM_POW(VELUM_ABS(g), n) * (g < 0.0f && l % 2 == 1 ? -1.0f : 1.0f);
-    float before = l < 2 ? 0.0f : n * (n - 1.0f) / (4.0f * n * n - 1.0f);
+    float power = velum_phase_hg_moment(g, l);
     float own = (n + 1.0f) * (n + 1.0f) / ((2.0f * n + 1.0f) * (2.0f * n + 3.0f)) +
                 (l < 1 ? 0.0f : n * n / ((2.0f * n - 1.0f) * (2.0f * n + 1.0f)));
     float after = (n + 1.0f) * (n + 2.0f) / ((2.0f * n + 1.0f) * (2.0f * n + 3.0f));
-    float square =
-        power * (own + after * g * g) +
-        (l < 2 ? 0.0f : before * VELUM_POW(VELUM_ABS(g), n - 2.0f) * (g < 0.0f && l % 2 == 1 ? -1.0f : 1.0f));
+    float before = l < 2 ? 0.0f : n * (n - 1.0f) / (4.0f * n * n - 1.0f) * velum_phase_hg_moment(g, l - 2);
+    float square = power * (own + after * g * g) + before;
     float second = (power + p.alpha_second * square) / (1.0f + p.alpha_second * (1.0f + 2.0f * g * g) * (1.0f / 3.0f));
-    float first = l == 0 ? 1.0f : VELUM_POW(VELUM_ABS(p.g_first), n) * (p.g_first < 0.0f && l % 2 == 1 ? -1.0f : 1.0f);
-    return velum_mix(first, second, p.weight_second);
+    return velum_mix(velum_phase_hg_moment(p.g_first, l), second, p.weight_second);
 }
 
 /* Share of scattering that counts as going straight on. */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LAT_DEG 50.0
@@ -155,6 +156,16 @@ double slab_rig_settle(slab_rig *rig, const slab_case *c, double thickness_m, ui
         sum += (double)rig->light[3 * i + 1];
     }
     return sum * 3.14159265358979 / c->mu0 / SLAB_PIXELS;
+}
+
+FILE *slab_table(const char *name) {
+    char path[1024];
+    const char *root = getenv("VELUM_SOURCE");
+    assert_non_null(root);
+    snprintf(path, sizeof path, "%s/tests/data/%s", root, name);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    return file;
 }
 
 bool slab_case_parse(const char *line, slab_case *out) {

@@ -2,6 +2,8 @@
 #ifndef REFERENCE_SLAB_H
 #define REFERENCE_SLAB_H
 
+#include <stdio.h>
+
 #include "fixture.h"
 
 enum { SLAB_SIDE = 16, SLAB_PIXELS = SLAB_SIDE * SLAB_SIDE };
@@ -37,6 +39,8 @@ double slab_rig_measure(slab_rig *rig, const slab_case *c, double thickness_m, u
                         double *through);
 /* pi I / (mu0 F0) in a preset, after so many frames. */
 double slab_rig_settle(slab_rig *rig, const slab_case *c, double thickness_m, uint32_t frames);
+/* A file of tests/data, to be closed. */
+FILE *slab_table(const char *name);
 /* One row of tests/data/slab_rows.csv or of the tables it is from: ssa,g,tau,mu0,side,mu,phi_deg,BRF... */
 bool slab_case_parse(const char *line, slab_case *out);
 

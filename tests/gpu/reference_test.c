@@ -12,12 +12,8 @@
 static void meets_the_tables(void **state) {
     (void)state;
     static slab_rig rig;
-    char path[1024], line[256];
-    const char *source = getenv("VELUM_SOURCE");
-    assert_non_null(source);
-    snprintf(path, sizeof path, "%s/tests/data/slab_rows.csv", source);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
+    char line[256];
+    FILE *file = slab_table("slab_rows.csv");
     slab_rig_init(&rig);
     double chi2 = 0.0;
     int rows = 0;

@@ -15,12 +15,8 @@ static int compare(const void *a, const void *b) {
 
 static void expect_preset(int32_t quality, const char *name) {
     static slab_rig rig;
-    char path[1024], line[256];
-    const char *root = getenv("VELUM_SOURCE");
-    assert_non_null(root);
-    snprintf(path, sizeof path, "%s/tests/data/slab_radiance.csv", root);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
+    char line[256];
+    FILE *file = slab_table("slab_radiance.csv");
     slab_rig_init_preset(&rig, quality);
     double errors[ROWS_MAX], worst = 0.0;
     int count = 0;
@@ -34,9 +30,6 @@ static void expect_preset(int32_t quality, const char *name) {
         slab_rig_layer(&rig, &c, 240.0);
         const double found = slab_rig_settle(&rig, &c, 240.0, SETTLE);
         errors[count] = fabs(found / c.expected - 1.0);
-        if (getenv("VELUM_VERBOSE")) {
-            print_message("%+.4f %.6f %s", found / c.expected - 1.0, found, line);
-        }
         if (errors[count] > worst) {
             worst = errors[count];
             line[strcspn(line, "\n")] = 0;

@@ -61,6 +61,17 @@ static void steps_are_what_quadrature_says(void **state) {
     assert_int_equal(compared, 8 * 5 * 2 * 3);
 }
 
+static void shares_are_taken_so_far_on(void **state) {
+    (void)state;
+    for (double depth = 1e-6; depth < 60.0; depth *= 1.7) {
+        for (int i = 0; i <= 10; i++) {
+            double t = (double)velum_slab_share((float)depth, (float)i / 10.0f);
+            assert_true(t >= 0.0 && t <= 1.0);
+            assert_float_equal(expm1(-depth * t) / expm1(-depth), i / 10.0, 3e-3);
+        }
+    }
+}
+
 static void extremes_are_numbers(void **state) {
     (void)state;
     static const float depths[] = {0.0f, 1e-30f, 1e-8f, 1.0f, 90.0f, 1e5f, 1e9f};
@@ -110,6 +121,7 @@ static void lengths_are_those_of_the_bent_ray(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thin_steps_keep_their_digits), cmocka_unit_test(steps_are_what_quadrature_says),
-        cmocka_unit_test(extremes_are_numbers), cmocka_unit_test(lengths_are_those_of_the_bent_ray)};
+        cmocka_unit_test(shares_are_taken_so_far_on), cmocka_unit_test(extremes_are_numbers),
+        cmocka_unit_test(lengths_are_those_of_the_bent_ray)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
