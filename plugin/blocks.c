@@ -7,6 +7,7 @@
 #include "core/noise_place.h"
 #include "shared/air.h"
 #include "shared/density.h"
+#include "shared/shade.h"
 
 /* Below this the visibility is fog's, with a top; above it haze's. */
 #define FOG_VISIBILITY_M 20000.0f
@@ -19,24 +20,45 @@ static void fill_drift(const core_drift *d, velum_eye_block *out) {
     out->drift[0] = d->weight[1];
 }
 
-/* Diffuse transmittance of a layer without absorption, two streams, asymmetry 0.85 (Bohren 1987), over its cover. */
-static float layer_share(const velum_slot_fields *f) {
-    float depth = f->extinction_1_m * fmaxf(f->top_m - f->base_m, 0.0f);
-    return 1.0f - f->coverage * (1.0f - 1.0f / (1.0f + 0.075f * depth));
-}
+/* Light of the whole sky, as if it all came at this cosine. */
+#define SKY_MU 0.6f
 
-/* What the clouds over a place leave of the light of day. */
-static void add_shade(const core_column *column, float weight, float shade[4]) {
-    float share = 1.0f;
-    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        if (column->mask & (1u << slot)) {
-            const velum_slot_fields *f = &column->slot[slot];
-            share *= layer_share(f);
-            shade[1] = fminf(shade[1], f->base_m);
-            shade[2] = fmaxf(shade[2], f->top_m);
+/* velum_eye_block.shades at a height, layer by layer from below; `albedo`: of the ground. */
+static void add_shade(const core_column *column, float mu_sun, float albedo, float height_m, float weight,
+                      float shade[4]) {
+    float beam = 1.0f, sun = 1.0f, sky = 1.0f, reflected = 0.0f;
+    uint32_t left = column->mask;
+    while (left) {
+        uint32_t lowest = VELUM_SLOT_COUNT;
+        for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+            if ((left & (1u << slot)) &&
+                (lowest == VELUM_SLOT_COUNT || column->slot[slot].base_m < column->slot[lowest].base_m)) {
+                lowest = slot;
+            }
+        }
+        left &= ~(1u << lowest);
+        velum_slot_fields f = column->slot[lowest];
+        float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)lowest).shape_period_m;
+        velum_layer_light above = velum_layer_light_at(f, height_m, mu_sun, 0.0f, cloud_m);
+        velum_layer_light even = velum_layer_light_at(f, height_m, SKY_MU, 0.0f, cloud_m);
+        beam *= above.open;
+        sun *= above.open + above.through;
+        sky *= even.open + even.through;
+        f.top_m = fminf(f.top_m, height_m);
+        if (f.top_m > f.base_m) {
+            velum_layer_light below = velum_layer_light_at(f, f.base_m, mu_sun, 0.0f, cloud_m);
+            float through = below.open + below.through;
+            reflected = 1.0f - through + through * through * reflected / (1.0f - (1.0f - through) * reflected);
         }
     }
-    shade[0] += weight * share;
+    /* Light goes to and fro between what is below and the clouds above. */
+    float back = velum_shade_albedo(reflected, albedo, albedo);
+    sun /= 1.0f - (1.0f - sky) * back;
+    sky /= 1.0f - (1.0f - sky) * back;
+    const float found[4] = {beam, fmaxf(sun - beam, 0.0f), reflected, sky};
+    for (int i = 0; i < 4; i++) {
+        shade[i] += weight * found[i];
+    }
 }
 
 static void fill_surface(const engine *e, const double normal[3], velum_eye_block *out) {
@@ -44,16 +66,18 @@ static void fill_surface(const engine *e, const double normal[3], velum_eye_bloc
                                {.visibility_m = CORE_VISIBILITY_DEFAULT_M}};
     float t = e->weather.blend;
     const float weight[2] = {1.0f - t, t};
-    float shade[4] = {0.0f, 1e5f, -1e3f, 0.0f};
+    float albedo = (out->ground[0] + out->ground[1] + out->ground[2]) / 3.0f;
+    float mu_sun = (float)dot3(normal, e->frame.sun_direction_ecef);
     for (uint32_t s = 0; s < 2; s++) {
         core_column column = {0};
         if (e->weather.state[s]) {
             core_column_at(e->weather.state[s], normal, 1000.0, &column);
             surface[s] = column.surface;
         }
-        add_shade(&column, weight[s], shade);
+        for (uint32_t k = 0; k < VELUM_SHADE_LEVELS; k++) {
+            add_shade(&column, mu_sun, albedo, velum_shade_height_m((int)k), weight[s], out->shades[k]);
+        }
     }
-    memcpy(out->shade, shade, sizeof shade);
     float elevation_m = velum_mix(surface[0].elevation_m, surface[1].elevation_m, t);
     out->span[2] = elevation_m;
     if (e->frame.atmosphere == VELUM_ATMOSPHERE_NONE) {

@@ -52,7 +52,7 @@ static bool init_resources(engine *e) {
               pages_init(&e->pages, g, STAGE_TOTAL_BYTES / e->frames_in_flight) && table_space_init(&e->tables, g) &&
               noise_volumes_init(e) && scattering_init(e) &&
               init_table(e, &e->air, half, VELUM_AIR_W, VELUM_AIR_H, flat) &&
-              init_table(e, &e->glow, half, VELUM_GLOW_SIDE, VELUM_GLOW_SIDE, flat) &&
+              init_table(e, &e->glow, half, VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE, flat) &&
               init_table(e, &e->nothing, VK_FORMAT_R32_SFLOAT, 1, 1, flat) &&
               init_table(e, &e->nothing_layered, VK_FORMAT_R32_SFLOAT, 1, 1, VK_IMAGE_VIEW_TYPE_2D_ARRAY);
     for (uint32_t i = 0; ok && i < e->frames_in_flight; i++) {

@@ -148,7 +148,6 @@ struct engine {
     scattering_key scattering_key[VELUM_SCATTERING_TABLES]; /* what is there of them */
     bool air_ready;
     bool glow_ready;
-    float glow_albedo[3];
     shadow *newest_shadow;  /* drawn last */
     shadow *bound_shadow;   /* that this frame's views see; null: none */
     gpu_buffer noise_slope; /* of the reference (shared/reference.h), once an eye wants it */
@@ -163,7 +162,7 @@ struct engine {
 
 /* What the picture of the sky depends on. */
 typedef struct sky_key {
-    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], shade[4], haze[4];
+    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], shades[VELUM_SHADE_LEVELS][4], haze[4];
 } sky_key;
 
 struct eye {

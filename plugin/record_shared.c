@@ -113,9 +113,9 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     memcpy(key.sun, b->sun, sizeof key.sun);
     memcpy(key.sun_lx, b->sun_lx, sizeof key.sun_lx);
     memcpy(key.ground, b->ground, sizeof key.ground);
-    memcpy(key.shade, b->shade, sizeof key.shade);
+    memcpy(key.shades, b->shades, sizeof key.shades);
     bool first = !e->air_ready;
-    bool glow = !e->glow_ready || memcmp(e->glow_albedo, e->frame.ground_albedo, sizeof e->glow_albedo) != 0;
+    bool glow = !e->glow_ready;
     bool sky = !y->sky_ready || glow || memcmp(&key, &y->sky_key, sizeof key) != 0;
     if (!sky) {
         return true;
@@ -133,9 +133,8 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
         e->air_ready = true;
     }
     if (glow) {
-        record_dispatch(e, commands, PASS_GLOW, VELUM_GLOW_SIDE, VELUM_GLOW_SIDE);
+        record_dispatch(e, commands, PASS_GLOW, VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE);
         compute_to_compute(e, commands);
-        memcpy(e->glow_albedo, e->frame.ground_albedo, sizeof e->glow_albedo);
         e->glow_ready = true;
         for (eye *other = e->eyes; other; other = other->next) {
             other->sky_ready = false;

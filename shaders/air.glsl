@@ -37,12 +37,19 @@ float sun_over_horizon(float height_m, float mu) {
     return smoothstep(-radius, radius, mu - velum_horizon_mu(height_m));
 }
 
-/* Asymmetry of haze; what it scatters forward, as delta-M has it (Wiscombe 1977), still counts as the sun's. */
+/* Asymmetry of haze and fog. What they scatter forward still counts as on its way (delta-Eddington, Joseph et al. 1976);
+ * the other mean cosine is what is left. */
 const float haze_g = 0.7;
+const float haze_forward = haze_g * haze_g;
+const float fog_g = 0.75;
+const float fog_wide = 0.3; /* scattered evenly */
+const float fog_forward = (1.0 - fog_wide) * fog_g * fog_g;
+const float haze_turned_g = (haze_g - haze_forward) / (1.0 - haze_forward);
+const float fog_turned_g = ((1.0 - fog_wide) * fog_g - fog_forward) / (1.0 - fog_forward);
 
 float sun_through_haze(float height_m, float mu) {
     float slant = velum_slant(haze_scale_m, height_m, mu);
-    return exp(-(1.0 - haze_g * haze_g) * haze_extinction_1_m(height_m) * haze_scale_m * slant);
+    return exp(-(1.0 - haze_forward) * haze_extinction_1_m(height_m) * haze_scale_m * slant);
 }
 
 /* Transmittance of air, fog apart, between the eye's side and the sun; 1 without air. */
@@ -54,16 +61,40 @@ vec3 sun_through_air(float height_m, float mu) {
            sun_through_haze(height_m, mu);
 }
 
-/* Of fog and haze over a straight stretch between two heights. */
-float fog_between(float h0, float h1, float distance_m) {
-    float rise = h1 - h0;
-    bool level = abs(rise) < 1.0;
-    float fog = level ? velum_fog_density(h0, eye.drift.z)
-                      : (velum_fog_column_m(h1, eye.drift.z) - velum_fog_column_m(h0, eye.drift.z)) / rise;
-    float e0 = haze_extinction_1_m(h0);
-    float e1 = haze_extinction_1_m(h1);
-    float haze = level ? e0 : haze_scale_m * (e0 - e1) / rise;
-    return exp(-(eye.drift.y * max(fog, 0.0) + max(haze, 0.0)) * distance_m);
+/* Depth of haze from a height to space; a way below the horizontal passes its lowest point. */
+float haze_to_space(float height_m, float mu) {
+    float own = haze_extinction_1_m(height_m) * velum_slant(haze_scale_m, height_m, abs(mu));
+    float r = VELUM_WGS84_A_M + height_m;
+    float lowest_m = r * sqrt(max(1.0 - mu * mu, 0.0)) - VELUM_WGS84_A_M;
+    float through = 2.0 * haze_extinction_1_m(lowest_m) * velum_slant(haze_scale_m, lowest_m, 0.0);
+    return haze_scale_m * (mu < 0.0 ? through - own : own);
+}
+
+/* Longer ways bend round the planet; on shorter ones what is left of two ways to space has no digits. */
+const float straight_m = 60000.0;
+
+/* Depth of haze and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
+float dust_between(float h0, float mu0, float h1, float mu1, float distance_m) {
+    bool rises = mu0 + mu1 >= 0.0;
+    float low = rises ? h0 : h1;
+    float high = rises ? h1 : h0;
+    float mu_low = rises ? mu0 : -mu1;
+    float mu_high = rises ? mu1 : -mu0;
+    float e0 = haze_extinction_1_m(low);
+    float e1 = haze_extinction_1_m(high);
+    float rise = high - low;
+    float straight = abs(rise) < 1.0 ? e0 : haze_scale_m * (e0 - e1) / rise;
+    float haze = distance_m < straight_m ? straight * distance_m
+                                         : haze_to_space(low, mu_low) - haze_to_space(high, mu_high);
+    /* Fog ends at its top. */
+    float top_m = eye.drift.z;
+    float under_m = max(top_m - low, 0.0);
+    float inside_m = min(distance_m, VELUM_WGS84_A_M * (sqrt(mu_low * mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - mu_low));
+    float end_m = min(high, top_m);
+    float climb = end_m - low;
+    float fog = abs(climb) < 1.0 ? velum_fog_density(low, top_m)
+                                 : (velum_fog_column_m(end_m, top_m) - velum_fog_column_m(low, top_m)) / climb;
+    return max(haze, 0.0) + (low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0);
 }
 
 /* Of air and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1, so far on. */
@@ -71,41 +102,99 @@ vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     bool rises = mu0 + mu1 >= 0.0;
     vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
     vec3 beyond = air_to_space(rises ? h1 : h0, rises ? mu1 : -mu0);
-    vec3 t = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0)) * fog_between(h0, h1, distance_m);
+    vec3 t = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0)) * exp(-dust_between(h0, mu0, h1, mu1, distance_m));
     return eye.ground.w == 0.0 ? vec3(1.0) : t;
 }
 
 float phase_rayleigh(float c) {
     return 3.0 / (16.0 * PI) * (1.0 + c * c);
 }
+/* Mean light of the clouds over the eye's place, at a height (shared/shade.h). */
+vec4 shade_at(float height_m) {
+    float level = velum_shade_level_of(height_m);
+    int k = min(int(level), VELUM_SHADE_LEVELS - 2);
+    return mix(eye.shades[k], eye.shades[k + 1], level - float(k));
+}
+
+/* What the world below a height sends back, clouds and ground. */
+vec3 albedo_below(vec4 shade) {
+    float mean = dot(eye.ground.rgb, vec3(1.0 / 3.0));
+    vec3 ground = eye.ground.rgb;
+    return vec3(velum_shade_albedo(shade.z, ground.r, mean), velum_shade_albedo(shade.z, ground.g, mean),
+                velum_shade_albedo(shade.z, ground.b, mean));
+}
+
 /* All orders beyond the first, as if isotropic (Hillaire 2020, section 5.5): luminance per unit sun. */
-vec3 glow_at(float height_m, float mu_sun) {
+vec3 glow_at(float height_m, float mu_sun, vec3 albedo) {
     vec2 place = vec2(0.5 + 0.5 * mu_sun, clamp(height_m / VELUM_AIR_TOP_M, 0.0, 1.0));
-    place = (place * float(VELUM_GLOW_SIDE - 1) + 0.5) / float(VELUM_GLOW_SIDE);
-    return textureLod(glow_table, place, 0.0).rgb;
-}
-
-/* Luminance per unit length that air sends along a ray, from sun and glow. */
-vec3 air_source(float height_m, float mu_sun, float cos_sun, bool with_glow) {
-    vec3 sun = sun_through_air(height_m, mu_sun);
-    vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
-    float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
-    vec3 source = sun * (rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G));
-    if (with_glow) {
-        source += (rayleigh + aerosol) * glow_at(height_m, mu_sun);
-    }
-    return source;
-}
-
-/* Share of daylight at a height: below the clouds over the eye what they let through, on the mean; above them all. */
-float daylight_share(float height_m) {
-    return mix(eye.shade.x, 1.0, smoothstep(eye.shade.y, max(eye.shade.z, eye.shade.y + 1.0), height_m));
+    place = place * float(VELUM_GLOW_SIDE - 1) + 0.5;
+    const vec2 size = vec2(VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE);
+    return textureLod(glow_table, place / size, 0.0).rgb +
+           albedo * textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb;
 }
 
 struct air_light {
     vec3 luminance; /* per unit sun_lx, already times it */
     vec3 transmittance;
 };
+
+/* Luminance per unit length and unit sun that air, haze and fog send along a ray. The first order of haze and fog goes
+ * by the phase function over scaled depths (Nakajima & Tanaka 1988), the others are Eddington's diffuse light. */
+vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_sun, float rise, bool with_glow) {
+    vec4 shade = shade_at(height_m);
+    float beam = shade.x;
+    float daylight = shade.x + shade.y;
+    vec3 albedo = albedo_below(shade);
+    vec3 sun = sun_through_air(height_m, mu_sun);
+    vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
+    float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
+    vec3 turned = rayleigh + aerosol;
+    vec3 source = sun * beam * (rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G));
+    for (int once = haze + fog > 0.0 ? 0 : 1; once < 1; ++once) {
+        float sun_height = max(mu_sun, 0.06);
+        float top_m = eye.drift.z;
+        float fog_column = velum_fog_column_m(min(height_m, top_m), top_m);
+        float fog_above = eye.drift.y * max(velum_fog_column_m(top_m, top_m) - fog_column, 0.0);
+        float fog_below = eye.drift.y * max(fog_column - velum_fog_column_m(eye.span.z, top_m), 0.0);
+        float haze_above = haze * haze_scale_m;
+        float haze_below = max(haze_extinction_1_m(eye.span.z) * haze_scale_m - haze_above, 0.0);
+        float fog_scaled = (1.0 - fog_forward) * fog;
+        float haze_scaled = (1.0 - haze_forward) * haze;
+        float above = (1.0 - fog_forward) * fog_above + (1.0 - haze_forward) * haze_above;
+        float below = (1.0 - fog_forward) * fog_below + (1.0 - haze_forward) * haze_below;
+        float g = mix(haze_turned_g, fog_turned_g, fog_scaled / max(fog_scaled + haze_scaled, 1e-12));
+        vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
+        velum_diffuse diffuse = velum_diffuse_in(above, below, g, sun_height, dot(albedo, vec3(1.0 / 3.0)));
+        float direct = exp(-(1.0 - fog_forward) * fog_above / sun_height);
+        float first = haze * velum_phase_hg(cos_sun, haze_g) +
+                      fog * ((1.0 - fog_wide) * velum_phase_hg(cos_sun, fog_g) + fog_wide * VELUM_INV_4PI);
+        /* Light that comes to the eye goes against the ray: upward rays see what goes down. */
+        float others = max(diffuse.mean + g * rise * diffuse.flux, 0.0);
+        source += sun * beam * direct * first + clean * daylight * (fog_scaled + haze_scaled) * others;
+        turned += fog_scaled + haze_scaled;
+    }
+    /* What has come through cloud comes from all over it. */
+    source += turned * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
+    if (with_glow) {
+        source += turned * shade.w * glow_at(height_m, mu_sun, albedo);
+    }
+    return source;
+}
+
+/* Where a ray goes into the fog or out of it, within its way; 0: nowhere. */
+float fog_border_m(vec3 o, vec3 d, float distance_m) {
+    float border_m = 0.0;
+    for (int once = eye.drift.y > 0.0 ? 0 : 1; once < 1; ++once) {
+        velum_place p = place_of(o);
+        float rise = dot(vec3(p.nx, p.ny, p.nz), d);
+        float over_m = p.height_m - eye.drift.z;
+        float inside = rise * rise - 2.0 * over_m / VELUM_WGS84_A_M;
+        float root = sqrt(max(inside, 0.0));
+        float at_m = VELUM_WGS84_A_M * ((over_m > 0.0 ? -root : root) - rise);
+        border_m = inside > 0.0 && at_m > 0.0 && at_m < 0.98 * distance_m ? at_m : 0.0;
+    }
+    return border_m;
+}
 
 /* Air and fog from offset o along d. */
 air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow) {
@@ -114,38 +203,29 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         return result;
     }
     float cos_sun = dot(d, eye.sun.xyz);
+    float border_m = fog_border_m(o, d, distance_m);
+    bool fog_first = border_m > 0.0 && fog_extinction_1_m(place_of(o).height_m) > 0.0;
+    int own = border_m > 0.0 ? (fog_first ? steps / 3 : steps - steps / 3) : 0;
     float before = 0.0;
+    vec3 reaches = vec3(1.0); /* of light, that forward scattering keeps on its way */
     for (int i = 0; i < steps; ++i) {
-        float x = float(i + 1) / float(steps);
-        float t1 = distance_m * x * x;
+        float x = i < own ? float(i + 1) / float(own) : float(i + 1 - own) / float(steps - own);
+        float t1 = i < own ? border_m * x * x : border_m + (distance_m - border_m) * x * x;
         float t = 0.5 * (before + t1);
         float dt = t1 - before;
         before = t1;
         velum_place p = place_of(o + d * t);
-        float mu_sun = dot(vec3(p.nx, p.ny, p.nz), eye.sun.xyz);
+        vec3 normal = vec3(p.nx, p.ny, p.nz);
+        float mu_sun = dot(normal, eye.sun.xyz);
         float fog = fog_extinction_1_m(p.height_m);
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
-        vec3 source = air_source(p.height_m, mu_sun, cos_sun, with_glow);
-        for (int once = haze > 0.0 ? 0 : 1; once < 1; ++once) {
-            source += haze * (sun_through_air(p.height_m, mu_sun) * velum_phase_hg(cos_sun, haze_g) +
-                              1.5 * glow_at(p.height_m, mu_sun));
-        }
-        for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {
-            /* Fog scatters all it takes, many times over: its first order is dimmed by the fog above, and what was
-             * scattered before comes from all sides. */
-            float above = eye.drift.y * max(velum_fog_column_m(eye.drift.z, eye.drift.z) -
-                                                velum_fog_column_m(p.height_m, eye.drift.z), 0.0);
-            vec3 sun = sun_through_air(p.height_m, mu_sun);
-            float direct = exp(-above / max(mu_sun, 0.05));
-            float diffuse = max(mu_sun, 0.0) / (1.0 + 0.12 * above);
-            source += fog * sun * (direct * (0.7 * velum_phase_hg(cos_sun, 0.75) + 0.3 / (4.0 * PI)) + diffuse * 0.8 / PI);
-            source += fog * glow_at(p.height_m, mu_sun);
-        }
-        source *= daylight_share(p.height_m);
-        vec3 step_t = exp(-extinction * dt);
-        result.luminance += result.transmittance * source * (1.0 - step_t) / max(extinction, vec3(1e-12));
-        result.transmittance *= step_t;
+        vec3 dims = extinction - vec3(fog * fog_forward + haze * haze_forward);
+        vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
+        vec3 step_t = exp(-dims * dt);
+        result.luminance += reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
+        reaches *= step_t;
+        result.transmittance *= exp(-extinction * dt);
     }
     result.luminance *= eye.sun_lx.rgb;
     return result;
@@ -186,11 +266,20 @@ vec3 sky_luminance(vec3 d, bool to_ground) {
     return textureLod(sky_table, texel, 0.0).rgb * VELUM_LUMINANCE_UNIT;
 }
 
-/* Mean luminance of the upper (below: the lower) half of the world as seen from a height over the eye. */
-vec3 ambient_at(float height_m, bool below) {
-    float x = clamp(sqrt(max(height_m, 0.0) / 20000.0), 0.0, 1.0) * 15.0 + (below ? 16.0 : 0.0) + 0.5;
+/* Mean luminance of the upper (below: the lower) half of the world as seen from a height, by levels as in
+ * shared/shade.h. */
+vec3 ambient_of(float level, bool below) {
+    float x = level + (below ? float(VELUM_SHADE_LEVELS) : 0.0) + 0.5;
     return textureLod(sky_table, vec2(x / float(VELUM_SKY_W), (float(VELUM_SKY_H) - 0.5) / float(VELUM_SKY_H)), 0.0)
         .rgb * VELUM_LUMINANCE_UNIT;
+}
+
+/* From the next level beyond a layer's face: with nothing of the layer itself. */
+vec3 ambient_over(float top_m) {
+    return ambient_of(ceil(velum_shade_level_of(top_m)), false);
+}
+vec3 ambient_under(float base_m) {
+    return ambient_of(floor(velum_shade_level_of(base_m)), true);
 }
 
 #endif

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* All orders of scattering in air beyond the first, as an isotropic luminance per unit sun (Hillaire 2020, eq. 5-10),
- * over a flat-albedo sphere. Once, and when the ground's albedo changes. */
+ * over a sphere: first rows without a ground's light, second with what a white one adds. Once. */
 #include "air.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
@@ -11,10 +11,11 @@ const int steps = 20;
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
-    if (texel.x >= VELUM_GLOW_SIDE || texel.y >= VELUM_GLOW_SIDE) {
+    if (texel.x >= VELUM_GLOW_SIDE || texel.y >= 2 * VELUM_GLOW_SIDE) {
         return;
     }
-    vec2 place = vec2(texel) / float(VELUM_GLOW_SIDE - 1);
+    bool of_ground = texel.y >= VELUM_GLOW_SIDE;
+    vec2 place = vec2(texel.x, texel.y % VELUM_GLOW_SIDE) / float(VELUM_GLOW_SIDE - 1);
     float mu_sun = place.x * 2.0 - 1.0;
     float height_m = max(place.y * VELUM_AIR_TOP_M, 1.0);
     vec3 sun = vec3(sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 0.0, mu_sun);
@@ -46,13 +47,13 @@ void main() {
             vec3 step_t = exp(-extinction * dt);
             vec3 share = t * scattering * (1.0 - step_t) / max(extinction, vec3(1e-12));
             float lit = smoothstep(-0.005, 0.005, mu - velum_horizon_mu(h));
-            second += share * air_to_space(h, max(mu, velum_horizon_mu(h))) * lit / (4.0 * PI);
+            second += share * air_to_space(h, max(mu, velum_horizon_mu(h))) * (of_ground ? 0.0 : lit / (4.0 * PI));
             factor += share;
             t *= step_t;
         }
-        if (hits) {
+        if (hits && of_ground) {
             float mu = (r * mu_sun + distance_m * dot(d, sun)) / VELUM_WGS84_A_M;
-            second += t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) * eye.ground.rgb / PI;
+            second += t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) / PI;
         }
     }
     float weight = 1.0 / float(directions * directions);

@@ -5,9 +5,8 @@
 #include "air.glsl"
 #include "view.glsl"
 #include "weather.glsl"
-#include "scattering.glsl"
-#include "shared/slab.h"
 #include "study.glsl"
+#include "cloud_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -20,20 +19,15 @@ const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
 
 /* Of a long step. */
 const float short_share = 0.18;
+/* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
+ * they are deep. */
+const float layer_share = 0.15;
 const float dim = 0.3;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
 /* Software devices run both sides of every branch, but leave a loop when all their lanes have. So all that is dear
  * stands in loops that run once or not at all, and no lane waits for another's cloud: one loop seeks and lights. */
-
-/* What holds along a ray: its angle to the sun never changes. */
-struct ray_phases {
-    float water, ice; /* first order */
-    float widened;    /* orders that keep near the forward peak */
-    float diffuse;    /* what has turned, times 4 pi */
-    float cos_sun;
-};
 
 /* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
  * every ray rise faster as it goes), or far beyond all. */
@@ -47,144 +41,6 @@ float reach_bounds(float h, float rise, float low, float high) {
         return rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
     }
     return 0.0;
-}
-
-/* What the search found. */
-struct cloud_hit {
-    int slot;
-    velum_slot_fields fields;
-    velum_profile profile;
-    float excess;
-    float margin; /* velum_margin */
-    float extinction_1_m;
-    vec3 r;
-    vec3 normal;
-    float height_m;
-    float at_h_m, rise;       /* of the sample: height; metres that the ray gains a metre */
-    float before_m, after_m; /* of the step, about the sample */
-};
-
-/* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
- * those of r. */
-float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
-    velum_slot_fields f = hit.fields;
-    float thickness = max(f.top_m - f.base_m, 1.0);
-    float ahead = min((f.top_m - hit.height_m) / max(mu_sun, 0.06), 2.5 * thickness + 1500.0);
-    /* The first is short enough for the next lump's shadow, however deep the cloud. */
-    const float first_m = 90.0;
-    float count = float(max(steps, 2));
-    float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
-    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
-    float depth = 0.0;
-    float done = 0.0;
-    for (int i = 0; i < steps; ++i) {
-        float t = done + dt * (i == 0 ? start : 0.5);
-        float h = hit.height_m + t * mu_sun;
-        vec3 p = hit.r + eye.sun.xyz * t;
-        float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
-        float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
-        float lump = 0.0;
-        for (int once = STUDIED(study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
-            lump = lump_noise(hit.slot, f, p);
-        }
-        float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));
-        depth += e > 0.0 && z > 0.0 && z < 1.0 ? body * dt : 0.0;
-        done += dt;
-        dt *= ratio;
-    }
-    return depth * f.extinction_1_m;
-}
-
-velum_slab_span slab_span(cloud_hit hit) {
-    return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
-}
-
-/* What the eye gets of a uniform layer from a step, over what the step takes. */
-velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
-    velum_slot_fields f = hit.fields;
-    bool at_point = STUDIED(study_at_point(), false);
-    float first = clamp(velum_height_along(hit.at_h_m, hit.rise, span.from_m), f.base_m, f.top_m);
-    float last = clamp(velum_height_along(hit.at_h_m, hit.rise, span.to_m), f.base_m, f.top_m);
-    first = at_point ? hit.height_m : first;
-    last = at_point ? hit.height_m : last;
-    float to_sun = eye.slots[hit.slot].optics.z * f.extinction_1_m / max(mu_sun, 1e-3);
-    return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * span.inside_m, to_sun * (f.top_m - first),
-                               to_sun * (f.top_m - last));
-}
-
-/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
- * sample it comes from, if that is known better. */
-vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
-    velum_slot_fields f = hit.fields;
-    bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
-    float mu_sun = dot(hit.normal, eye.sun.xyz);
-    float thickness = max(f.top_m - f.base_m, 1.0);
-    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun);
-    float depth = STUDIED(study_sun_depth(hit.r, sun_depth(hit, mu_sun, steps, start)),
-                          sun_depth(hit, mu_sun, steps, start));
-
-    /* How high this column's cloud stands, and how much of it lies above and below. */
-    float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
-    float column = f.extinction_1_m * hit.profile.density_scale * thickness * max(reach, 0.1);
-    float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
-    float above = clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
-    /* Light that has turned comes by the nearest way out, and that is often the flank: about a tenth of the noise's
-     * period from hem to heart. */
-    float flank = f.extinction_1_m * hit.profile.density_scale * hit.margin * 0.09 / eye.slots[hit.slot].shape_0.w;
-    /* Orders of scattering: the first by its own phase, those that keep near the forward peak by a widened one, the
-     * rest as diffuse light that falls off as 1 / depth (two streams). */
-    float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
-    float widened = phases.widened * exp(-0.30 * depth) * (1.0 - exp(-0.25 * (column + depth)));
-    float thick = 1.0 - exp(-0.10 * (column + depth));
-    float diffuse = phases.diffuse * thick / (1.0 + 0.07 * min(depth, 50.0 + 3.0 * flank));
-    float orders = first + 0.55 * widened + 1.9 * VELUM_INV_4PI * diffuse;
-    /* Sky above and ground below, each dimmed by the cloud that lies between. */
-    vec3 from_above = ambient_at(hit.height_m, false) / (1.0 + 0.10 * min(column * above, flank));
-    vec3 from_below = ambient_at(hit.height_m, true) / (1.0 + 0.10 * min(column * z, flank));
-    vec3 source = sun * orders + (from_above + from_below) * 0.5;
-
-    /* A uniform layer is what the table is made for. */
-    float g = eye.slots[hit.slot].optics.y;
-    float albedo = eye.slots[hit.slot].optics.x;
-    for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
-        velum_slab_span span = slab_span(hit);
-        velum_slab_light light = slab_light(hit, span, mu_sun);
-        int which = hit.slot - VELUM_SLOT_UNIFORM;
-        float depth = f.extinction_1_m * span.inside_m;
-        vec3 above = ambient_at(hit.height_m, false);
-        vec3 below = ambient_at(hit.height_m, true);
-        source = sun * albedo * velum_phase_hg(phases.cos_sun, g) * light.direct;
-        /* Two points of Gauss and Legendre over the light that the step takes. */
-        for (int i = 0; i < 2; ++i) {
-            float share = velum_slab_share(depth, i == 0 ? 0.21132487 : 0.78867513);
-            float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
-            h = STUDIED(study_at_point() ? hit.height_m : h, h);
-            float over = f.extinction_1_m * max(f.top_m - h, 0.0);
-            float under = f.extinction_1_m * max(h - f.base_m, 0.0);
-            vec2 sky = scattered_sky(which, over, under, -hit.rise);
-            source += 0.5 * (sun * scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun) +
-                             above * sky.x + below * sky.y);
-        }
-        float seen_m = mix(span.from_m, span.to_m, light.place);
-        place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
-    }
-#ifdef VELUM_STUDY
-    for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
-        bool ice = hit.slot == VELUM_SLOT_HIGH;
-        study_light theirs;
-        theirs.sun = sun;
-        theirs.above = uniform_layer ? vec3(0.0) : ambient_at(hit.height_m, false);
-        theirs.below = uniform_layer ? vec3(0.0) : ambient_at(hit.height_m, true);
-        theirs.cos_sun = phases.cos_sun;
-        theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
-        theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;
-        theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : depth;
-        theirs.depth_above = min(column * above, flank);
-        theirs.depth_below = min(column * z, flank);
-        source = study_octave_source(theirs) * (uniform_layer ? albedo : 1.0);
-    }
-#endif
-    return source;
 }
 
 void main() {
@@ -218,12 +74,7 @@ void main() {
         position = max(position, hollow.leave_m);
     }
 
-    ray_phases phases;
-    phases.cos_sun = dot(ray.direction, eye.sun.xyz);
-    phases.water = velum_phase_cloud(phases.cos_sun, false);
-    phases.ice = velum_phase_cloud(phases.cos_sun, true);
-    phases.widened = velum_phase_hg(phases.cos_sun, 0.55);
-    phases.diffuse = 0.62 + 0.38 * velum_phase_hg(phases.cos_sun, 0.25) / VELUM_INV_4PI;
+    ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
 
     vec3 light = vec3(0.0);
     float through = 1.0;
@@ -248,6 +99,8 @@ void main() {
     vec3 source = vec3(0.0);
     bool lit = false;
     float short_until = 0.0;
+    float longest = 1.0e9; /* long step, by the layers last met */
+    float allowed = 1.0e9; /* by those that this step meets */
     float settled = position; /* light and transmittance hold up to here */
 
     while (alive) {
@@ -256,7 +109,7 @@ void main() {
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
-        float long_dt = max(dt_min, position * growth) * (1.0 + 4.0 * spent * spent * spent);
+        float long_dt = max(dt_min, min(position * growth, longest)) * (1.0 + 4.0 * spent * spent * spent);
         float dt = min(is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt), end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
@@ -323,6 +176,7 @@ void main() {
         samples += within ? 1u : 0u;
         /* Sharp faces: the share of the step that lies within them. */
         hit.fields = f;
+        hit.tile = tile;
         hit.at_h_m = h;
         hit.rise = rise;
         hit.before_m = dt * offset;
@@ -358,7 +212,16 @@ void main() {
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
-        if (found && !is_short && !uniform_layer) {
+        float layer_m = f.coverage > 0.0 && !uniform_layer ? max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min) : 1.0e9;
+        allowed = looking ? min(allowed, layer_m) : allowed;
+        bool passes = looking && !is_short && dt > 1.5 * layer_m && low < f.top_m && high > f.base_m;
+        if (passes) {
+            found = false;
+            longest = allowed;
+            allowed = 1.0e9;
+            advance = 1.0e9;
+            done = 0u;
+        } else if (found && !is_short && !uniform_layer) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
@@ -370,6 +233,8 @@ void main() {
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
             float stride = covered ? clamp(clear, dt * share, STUDIED(max(dt, long_dt), long_dt)) : dt * share;
+            longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
+            allowed = 1.0e9;
             position += STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
             advance = 1.0e9;
             done = 0u;

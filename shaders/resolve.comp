@@ -141,6 +141,15 @@ vec2 along_ray(float h0, float mu0, float distance_m) {
     return vec2(h0 + step / (r0 + r1), (r0 * mu0 + distance_m) / r1);
 }
 
+/* Distance along such a ray to a height: where it comes down to it, or where it leaves upward; below 0: never. */
+float along_to(float h0, float mu0, float height_m, bool upward) {
+    float r0 = VELUM_WGS84_A_M + h0;
+    float b = r0 * mu0;
+    float over = (h0 - height_m) * (r0 + VELUM_WGS84_A_M + height_m);
+    float inside = b * b - over;
+    return inside >= 0.0 ? -b + (upward ? 1.0 : -1.0) * sqrt(inside) : -1.0;
+}
+
 /* The host draws the ground, or nobody: then the pass spends nothing on ours. */
 layout(constant_id = 0) const bool draws_ground = true;
 
@@ -165,17 +174,20 @@ void main() {
 
     if (eye.ground.w != 0.0) {
         velum_place from = place_of(ray.origin);
-        float mu0 = dot(vec3(from.nx, from.ny, from.nz), ray.direction);
+        vec2 near = vec2(from.height_m, dot(vec3(from.nx, from.ny, from.nz), ray.direction));
+        float enter_m = near.x > VELUM_AIR_TOP_M ? along_to(near.x, near.y, VELUM_AIR_TOP_M, false) : 0.0;
+        near = enter_m > 0.0 ? along_ray(near.x, near.y, enter_m) : near;
         /* All the way: to the ground, or to space. Then, of the light of all the way, the share before what is hit. */
         bool to_ground = ground >= 0.0;
-        float way = to_ground ? ground : 60000.0 / max(mu0, 0.02);
-        vec2 far = along_ray(from.height_m, mu0, way);
-        vec3 whole = air_between(from.height_m, mu0, to_ground ? 0.0 : VELUM_AIR_TOP_M, to_ground ? far.y : 1.0, way);
+        float way = (to_ground ? ground : along_to(near.x, near.y, VELUM_AIR_TOP_M, true) + enter_m) - enter_m;
+        vec2 far = along_ray(near.x, near.y, max(way, 0.0));
+        vec3 whole = enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way);
         vec3 air = whole;
         /* A loop that runs once or not at all: see march.comp. */
         for (int once = host ? 0 : 1; once < 1; ++once) {
-            vec2 near = along_ray(from.height_m, mu0, hit);
-            air = air_between(from.height_m, mu0, near.x, near.y, hit);
+            float before_m = hit - enter_m;
+            vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
+            air = before_m > 0.0 && enter_m >= 0.0 ? air_between(near.x, near.y, there.x, there.y, before_m) : vec3(1.0);
         }
         vec3 sky = sky_luminance(ray.direction, to_ground);
         vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);
@@ -187,7 +199,7 @@ void main() {
         velum_place to = place_of(r);
         float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
         vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
-        vec3 sky_up = eye.ground.w != 0.0 ? ambient_at(0.0, false) * PI : vec3(0.0);
+        vec3 sky_up = eye.ground.w != 0.0 ? ambient_of(0.0, false) * PI : vec3(0.0);
         bool drawn = !host && ground >= 0.0;
         light += drawn ? transmittance * eye.ground.rgb / PI * (sun + sky_up) : vec3(0.0);
         transmittance = drawn ? vec3(0.0) : transmittance;

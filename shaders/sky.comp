@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last row:
- * mean luminance of the half world above (texels 0..15) and below (16..31), at heights 20 km (x / 15)^2. */
+ * mean luminance of the half world above (texels 0..31) and below (32..63), at the levels of shared/shade.h. */
 #include "air.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
@@ -21,15 +21,20 @@ float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
 }
 
 vec3 ambient(int index) {
-    bool below = index >= 16;
-    float x = float(index & 15) / 15.0;
-    float height_m = 20000.0 * x * x;
+    bool below = index >= VELUM_SHADE_LEVELS;
+    float height_m = velum_shade_height_m(index % VELUM_SHADE_LEVELS);
     vec3 up = eye.up.xyz;
     vec3 o = up * (max(height_m, 10.0) - eye.up.w);
     vec3 side = normalize(abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0)));
     vec3 across = cross(up, side);
     float mu_sun = dot(up, eye.sun.xyz);
-    vec3 ground_sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * daylight_share(0.0);
+    /* Onto the ground, and onto the clouds below, which stand about half way to it. */
+    vec4 low = shade_at(0.0);
+    vec4 here = shade_at(height_m);
+    vec3 flux = 1.1 / PI * eye.sun_lx.rgb * max(mu_sun, 0.0);
+    vec3 from_ground = flux * sun_through_air(0.0, mu_sun) * (low.x + low.y) * eye.ground.rgb;
+    vec3 from_above = flux * sun_through_air(height_m, mu_sun) * here.y;
+    vec3 from_cloud = flux * sun_through_air(0.5 * height_m, mu_sun) * (here.x + here.y) * here.z;
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int k = 0; k < 16; ++k) {
@@ -42,7 +47,9 @@ vec3 ambient(int index) {
         air_light light = air_march(o + d * start, d, distance_m, 8, true);
         vec3 luminance = light.luminance;
         if (below) {
-            luminance += light.transmittance * eye.ground.rgb / PI * (ground_sun * 1.1);
+            luminance += light.transmittance * from_ground * (1.0 - here.z) + sqrt(light.transmittance) * from_cloud;
+        } else {
+            luminance += sqrt(light.transmittance) * from_above;
         }
         sum += luminance;
         weights += 1.0;
@@ -57,7 +64,7 @@ void main() {
     }
     vec3 result = vec3(0.0);
     if (texel.y == VELUM_SKY_H - 1) {
-        if (texel.x < 32) {
+        if (texel.x < 2 * VELUM_SHADE_LEVELS) {
             result = ambient(texel.x);
         }
     } else if (eye.ground.w != 0.0) {

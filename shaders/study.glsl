@@ -3,6 +3,8 @@
 #ifndef VELUM_STUDY_GLSL
 #define VELUM_STUDY_GLSL
 
+#include "shared/slab.h"
+
 #ifdef VELUM_STUDY
 #define STUDIED(theirs, ours) (theirs)
 

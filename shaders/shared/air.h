@@ -97,4 +97,25 @@ VELUM_FN float velum_slant(float scale_m, float height_m, float mu) {
     return VELUM_SQRT(x) * a / ((a - 1.0f) * VELUM_SQRT(z2) + VELUM_SQRT(z2 + a * a));
 }
 
+/* Diffuse light within a plane layer that absorbs nothing, under a sun of illuminance 1 and over a ground: radiance is
+ * mean + mu flux, mu: cosine of its way to the nadir. Eddington's approximation for an anisotropic phase function
+ * (Shettle & Weinman 1970), depths and mean cosine after delta scaling (Joseph et al. 1976). */
+VELUM_STRUCT(velum_diffuse) {
+    float mean, flux;
+};
+VELUM_FN velum_diffuse velum_diffuse_in(float above, float below, float g, float mu_sun, float albedo) {
+    velum_diffuse d;
+    float direct = 0.75f * mu_sun * 0.318309886f;
+    float dark = 1.0f - albedo;
+    float all = above + below;
+    float here = VELUM_EXP(-above / mu_sun);
+    float last = VELUM_EXP(-all / mu_sun);
+    float net = dark * direct * (mu_sun + 0.666666667f + (0.666666667f - mu_sun) * last) /
+                (dark * (1.0f - g) * all + 1.333333333f);
+    d.flux = net - direct * here;
+    d.mean = direct * (mu_sun + 0.666666667f - mu_sun * here) - net * (0.666666667f + (1.0f - g) * above);
+    d.mean = VELUM_MAX(d.mean, 0.0f);
+    return d;
+}
+
 #endif

@@ -3,14 +3,16 @@
 #ifndef VELUM_ARGUMENTS_H
 #define VELUM_ARGUMENTS_H
 
-#include "slots.h"
+#include "shade.h"
 
 #ifdef VULKAN
 #define VELUM_VEC4(name) vec4 name
 #define VELUM_UVEC4(name) uvec4 name
+#define VELUM_VEC4S(name, count) vec4 name[count]
 #else
 #define VELUM_VEC4(name) float name[4]
 #define VELUM_UVEC4(name) uint32_t name[4]
+#define VELUM_VEC4S(name, count) float name[count][4]
 #endif
 
 /* Noise and bounds of a slot, as seen from the eye. Phases are noise coordinates of the eye (rotated ECEF position over
@@ -43,8 +45,7 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(sun_lx);  /* at the top of the atmosphere; angular radius rad */
     VELUM_VEC4(ground);  /* albedo; 1: air, 0: none */
     VELUM_VEC4(span);  /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
-    VELUM_VEC4(shade); /* share of daylight that comes through the clouds over the eye, on the mean; their lowest base
-                          and highest top, HAE m; 0 */
+    VELUM_VEC4S(shades, VELUM_SHADE_LEVELS); /* velum_shade: mean light of clouds over the eye's place, by height */
     velum_slot_block slots[VELUM_SLOT_COUNT];
 };
 

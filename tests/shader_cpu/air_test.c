@@ -37,7 +37,58 @@ static void slant_ways_are_chapmans(void **state) {
     }
 }
 
+static const double pi = 3.14159265358979323846;
+
+/* Down: what is diffuse, and what still comes straight from the sun. */
+static double net_flux(float above, float below, float g, float mu_sun, float albedo) {
+    const velum_diffuse d = velum_diffuse_in(above, below, g, mu_sun, albedo);
+    return 4.0 * pi / 3.0 * (double)d.flux + (double)mu_sun * exp(-(double)above / (double)mu_sun);
+}
+
+static void diffuse_light_is_conserved(void **state) {
+    (void)state;
+    const float suns[] = {0.06f, 0.3f, 0.7f, 1.0f};
+    const float depths[] = {0.01f, 0.3f, 2.0f, 30.0f};
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 4; k++) {
+            const float mu = suns[i], all = depths[k];
+            for (int a = 0; a <= 2; a++) {
+                const float albedo = 0.5f * (float)a;
+                const double net = net_flux(0.0f, all, 0.4f, mu, albedo);
+                for (int n = 1; n <= 8; n++) {
+                    const float above = all * (float)n / 8.0f;
+                    assert_float_equal(net_flux(above, all - above, 0.4f, mu, albedo), net, 2e-6);
+                }
+                /* No more than the ground can take; Eddington: to first order. */
+                assert_true(net >= -1e-6 && net <= (double)mu * (1.0 - (double)albedo) + 1e-3);
+                /* None comes down from space. */
+                const velum_diffuse top = velum_diffuse_in(0.0f, all, 0.4f, mu, albedo);
+                assert_float_equal((double)top.mean + 2.0 / 3.0 * (double)top.flux, 0.0, 1e-6);
+                /* The ground sends back its share of what comes down. */
+                const velum_diffuse low = velum_diffuse_in(all, 0.0f, 0.4f, mu, albedo);
+                const double down = pi * ((double)low.mean + 2.0 / 3.0 * (double)low.flux) +
+                                    (double)mu * exp(-(double)all / (double)mu);
+                const double up = pi * ((double)low.mean - 2.0 / 3.0 * (double)low.flux);
+                assert_float_equal(up, (double)albedo * down, 2e-6);
+            }
+        }
+    }
+}
+
+static void diffuse_light_has_its_limits(void **state) {
+    (void)state;
+    const velum_diffuse none = velum_diffuse_in(0.0f, 1e-6f, 0.4f, 0.6f, 0.0f);
+    assert_float_equal((double)none.mean, 0.0, 1e-5);
+    /* Half-space: all comes back. */
+    assert_float_equal(net_flux(0.0f, 1e6f, 0.4f, 0.6f, 0.0f), 0.0, 1e-5);
+    /* A white ground under nothing: mean of its own light and of none from above. */
+    const velum_diffuse white = velum_diffuse_in(0.0f, 0.0f, 0.4f, 0.6f, 1.0f);
+    assert_float_equal((double)white.mean, 0.5 * 0.6 / pi, 1e-6);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(slant_ways_are_chapmans)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(slant_ways_are_chapmans),
+                                       cmocka_unit_test(diffuse_light_is_conserved),
+                                       cmocka_unit_test(diffuse_light_has_its_limits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

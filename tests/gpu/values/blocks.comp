@@ -31,6 +31,9 @@ void main() {
     if (gl_GlobalInvocationID.x == 0u) {
 #ifdef BLOCK_EYE
         MEMBERS_EYE(COPY_F, COPY_U)
+        for (int level = 0; level < VELUM_SHADE_LEVELS; ++level) {
+            copy(floatBitsToUint(block.shades[level]));
+        }
         for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
             MEMBERS_SLOT(COPY_SLOT_F)
         }

@@ -1,0 +1,233 @@
+/* Light that cloud sends along a ray. */
+#ifndef VELUM_CLOUD_LIGHT_GLSL
+#define VELUM_CLOUD_LIGHT_GLSL
+
+#include "air.glsl"
+#include "scattering.glsl"
+#include "shared/shade.h"
+#include "shared/slab.h"
+#include "study.glsl"
+#include "weather.glsl"
+
+/* What holds along a ray: its angle to the sun never changes. */
+struct ray_phases {
+    float water, ice; /* first order */
+    float widened;    /* orders that keep near the forward peak */
+    float cos_sun;
+};
+
+ray_phases ray_phases_of(float cos_sun) {
+    ray_phases phases;
+    phases.cos_sun = cos_sun;
+    phases.water = velum_phase_cloud(cos_sun, false);
+    phases.ice = velum_phase_cloud(cos_sun, true);
+    phases.widened = velum_phase_hg(cos_sun, 0.55);
+    return phases;
+}
+
+/* What the search found. */
+struct cloud_hit {
+    int slot;
+    velum_slot_fields fields;
+    velum_profile profile;
+    float excess;
+    float margin; /* velum_margin */
+    float extinction_1_m;
+    vec3 r;
+    vec3 normal;
+    float height_m;
+    float at_h_m, rise;       /* of the sample: height; metres that the ray gains a metre */
+    float before_m, after_m; /* of the step, about the sample */
+    tile_place tile;
+};
+
+/* How far sun_depth looks. */
+float sun_reach_m(velum_slot_fields f, float height_m, float mu_sun) {
+    return min((f.top_m - height_m) / max(mu_sun, 0.06), 2.5 * (f.top_m - f.base_m) + 1500.0);
+}
+
+/* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean. */
+float sun_share(cloud_hit hit, float mu_sun) {
+    float share = 1.0;
+    for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
+        int slot = findLSB(rest);
+        velum_slot_fields f = hit.fields;
+        float seen_m = max(sun_reach_m(f, hit.height_m, mu_sun), 1.0);
+        for (int once = slot == hit.slot ? 1 : 0; once < 1; ++once) {
+            f = slot_fields(hit.tile, slot, true);
+            seen_m = 0.0;
+        }
+        bool sheet = slot == hit.slot && slot >= VELUM_SLOT_UNIFORM;
+        float cloud_m = VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
+        velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, cloud_m);
+        share *= sheet ? 1.0 : light.open + light.through;
+    }
+    return share;
+}
+
+/* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
+ * those of r. */
+float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
+    velum_slot_fields f = hit.fields;
+    float thickness = max(f.top_m - f.base_m, 1.0);
+    float ahead = sun_reach_m(f, hit.height_m, mu_sun);
+    /* The first is short enough for the next lump's shadow, however deep the cloud. */
+    const float first_m = 90.0;
+    float count = float(max(steps, 2));
+    float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
+    float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
+    float depth = 0.0;
+    float done = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        float t = done + dt * (i == 0 ? start : 0.5);
+        float h = hit.height_m + t * mu_sun;
+        vec3 p = hit.r + eye.sun.xyz * t;
+        float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
+        float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
+        float lump = 0.0;
+        for (int once = STUDIED(study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
+            lump = lump_noise(hit.slot, f, p);
+        }
+        float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));
+        depth += e > 0.0 && z > 0.0 && z < 1.0 ? body * dt : 0.0;
+        done += dt;
+        dt *= ratio;
+    }
+    return depth * f.extinction_1_m;
+}
+
+velum_slab_span slab_span(cloud_hit hit) {
+    return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
+}
+
+/* What the eye gets of a uniform layer from a step, over what the step takes. */
+velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
+    velum_slot_fields f = hit.fields;
+    bool at_point = STUDIED(study_at_point(), false);
+    float first = clamp(velum_height_along(hit.at_h_m, hit.rise, span.from_m), f.base_m, f.top_m);
+    float last = clamp(velum_height_along(hit.at_h_m, hit.rise, span.to_m), f.base_m, f.top_m);
+    first = at_point ? hit.height_m : first;
+    last = at_point ? hit.height_m : last;
+    float to_sun = eye.slots[hit.slot].optics.z * f.extinction_1_m / max(mu_sun, 1e-3);
+    return velum_slab_light_of(at_point ? 0.0 : f.extinction_1_m * span.inside_m, to_sun * (f.top_m - first),
+                               to_sun * (f.top_m - last));
+}
+
+/* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side at
+ * once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
+ * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
+ * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
+const float turns = 0.105; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_share = 0.72; /* of the depth along the sun: of its face's */
+const float deep_share = 0.68;
+const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
+const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
+const float widened_share = 0.55, widened_loss = 0.21;
+
+struct ways_out {
+    float up, down, flank; /* optical depths */
+};
+
+ways_out ways_out_of(cloud_hit hit) {
+    velum_slot_fields f = hit.fields;
+    /* How high this column's cloud stands, and how much of it lies above and below. */
+    float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
+    float thickness = max(f.top_m - f.base_m, 1.0);
+    float inner = f.extinction_1_m * hit.profile.density_scale;
+    float column = inner * thickness * max(reach, 0.1);
+    float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
+    ways_out ways;
+    ways.up = column * clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
+    ways.down = column * z;
+    /* About a tenth of the noise's period from hem to heart. */
+    ways.flank = inner * hit.margin * 0.09 / eye.slots[hit.slot].shape_0.w;
+    return ways;
+}
+
+/* Per unit of scattering; `depth`: towards the sun. */
+vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
+    float whole = ways.up + ways.down + depth;
+    float up = 1.0 / (1.0 + turns * ways.up);
+    float down = 1.0 / (1.0 + turns * ways.down);
+    float flank = 1.0 / (1.0 + turns * ways.flank);
+    float lit = 1.0 / (1.0 + lit_share * turns * depth);
+    /* Near a top or a base the flank is no other way. */
+    flank = max(flank - max(up, down), 0.0);
+
+    float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
+    float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
+    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. */
+    float face = max(mu_sun, 0.6 * (1.0 - up));
+    float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
+    float dark = down + max(flank - lit, 0.0);
+    float diffuse = lit / (lit + dark) * (1.0 - exp(-0.10 * whole)) * max(1.0 + limb * hit.rise * (down - up), 0.0);
+    vec3 above = ambient_over(hit.fields.top_m);
+    vec3 below = ambient_under(hit.fields.base_m);
+    vec3 beside = mix(0.5 * (above + below), wall_share * deep * sun, hit.fields.coverage);
+    return sun * (first + widened + deep * diffuse) +
+           (above * up + below * down + beside * flank) / (up + down + flank);
+}
+
+/* The same for a uniform layer, what the table is made for. `place_m`: how far beyond the sample the light comes from. */
+vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inout float place_m) {
+    velum_slot_fields f = hit.fields;
+    float g = eye.slots[hit.slot].optics.y;
+    float albedo = eye.slots[hit.slot].optics.x;
+    int which = hit.slot - VELUM_SLOT_UNIFORM;
+    velum_slab_span span = slab_span(hit);
+    velum_slab_light light = slab_light(hit, span, mu_sun);
+    float depth = f.extinction_1_m * span.inside_m;
+    vec3 above = ambient_over(f.top_m);
+    vec3 below = ambient_under(f.base_m);
+    vec3 source = sun * albedo * velum_phase_hg(phases.cos_sun, g) * light.direct;
+    /* Two points of Gauss and Legendre over the light that the step takes. */
+    for (int i = 0; i < 2; ++i) {
+        float share = velum_slab_share(depth, i == 0 ? 0.21132487 : 0.78867513);
+        float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
+        h = STUDIED(study_at_point() ? hit.height_m : h, h);
+        float over = f.extinction_1_m * max(f.top_m - h, 0.0);
+        float under = f.extinction_1_m * max(h - f.base_m, 0.0);
+        vec2 sky = scattered_sky(which, over, under, -hit.rise);
+        source += 0.5 * (sun * scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun) + above * sky.x +
+                         below * sky.y);
+    }
+    float seen_m = mix(span.from_m, span.to_m, light.place);
+    place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
+    return source;
+}
+
+/* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
+ * sample it comes from, if that is known better. */
+vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
+    float mu_sun = dot(hit.normal, eye.sun.xyz);
+    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun);
+    float depth = STUDIED(study_sun_depth(hit.r, sun_depth(hit, mu_sun, steps, start)),
+                          sun_depth(hit, mu_sun, steps, start));
+    ways_out ways = ways_out_of(hit);
+    vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
+    bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
+    for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
+        source = sheet_source(hit, phases, sun, mu_sun, place_m);
+    }
+#ifdef VELUM_STUDY
+    for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
+        velum_slot_fields f = hit.fields;
+        float g = eye.slots[hit.slot].optics.y;
+        bool ice = hit.slot == VELUM_SLOT_HIGH;
+        study_light theirs;
+        theirs.sun = sun;
+        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m);
+        theirs.below = uniform_layer ? vec3(0.0) : ambient_under(f.base_m);
+        theirs.cos_sun = phases.cos_sun;
+        theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
+        theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;
+        theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : depth;
+        theirs.depth_above = min(ways.up, ways.flank);
+        theirs.depth_below = min(ways.down, ways.flank);
+        source = study_octave_source(theirs) * (uniform_layer ? eye.slots[hit.slot].optics.x : 1.0);
+    }
+#endif
+    return source;
+}
+
+#endif

@@ -1,0 +1,66 @@
+/* What broken cloud leaves of the sun, on the mean: free lines of sight, and what the clouds let through. */
+#ifndef VELUM_SHADE_H
+#define VELUM_SHADE_H
+
+#include "slots.h"
+
+/* Share of the extinction that takes light off its way: delta scaling (Joseph et al. 1976), mean cosine 0.86. */
+#define VELUM_TURNING_SHARE 0.26f
+/* Of the noise's period: across a cloud. */
+#define VELUM_CLOUD_SHARE 0.1f
+
+/* Flux that a plane layer without absorption lets through, of what falls on it: Eddington's approximation over black
+ * ground (Shettle & Weinman 1970); mean cosine 0.86 of droplets. */
+VELUM_FN float velum_flux_through(float depth, float mu_sun) {
+    float mu = VELUM_MAX(mu_sun, 0.02f);
+    float last = VELUM_EXP(-VELUM_TURNING_SHARE * depth / mu);
+    return (mu + 0.666666667f + (0.666666667f - mu) * last) / (1.333333333f + 0.14f * depth);
+}
+
+/* Share of lines of sight that meet none of the clouds that cover `coverage` of a level plane: a slant line meets more,
+ * by how far it goes sideways in the layer (Kauth & Penquite 1967). */
+VELUM_FN float velum_free_lines(float coverage, float down, float aside_m, float cloud_m) {
+    return VELUM_EXP2((down + aside_m / cloud_m) * VELUM_LOG2(VELUM_MAX(1.0f - coverage, 1.0e-6f)));
+}
+
+VELUM_STRUCT(velum_layer_light) {
+    float open;    /* share of the sun's beam that passes the layer above a height, or nearly keeps its way in it */
+    float through; /* share of its flux that comes through otherwise */
+};
+
+/* `seen_m`: so far along the way the cloud is known, and none of it counts; 0: nothing is known. */
+VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float height_m, float mu_sun, float seen_m,
+                                                float cloud_m) {
+    velum_layer_light light;
+    float over_m = VELUM_MAX(f.top_m - VELUM_MAX(height_m, f.base_m), 0.0f);
+    float way_m = over_m / VELUM_MAX(mu_sun, 0.02f);
+    float aside_m = VELUM_MAX(way_m - seen_m, 0.0f) * VELUM_SQRT(VELUM_MAX(1.0f - mu_sun * mu_sun, 0.0f));
+    float down = seen_m > 0.0f ? 0.0f : over_m / VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    float depth = f.extinction_1_m * over_m;
+    float unmet = velum_free_lines(f.coverage, down, aside_m, cloud_m);
+    float straight = VELUM_EXP(-VELUM_TURNING_SHARE * depth / VELUM_MAX(mu_sun, 0.02f));
+    light.open = unmet + (1.0f - unmet) * straight;
+    light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
+    return light;
+}
+
+/* Of cloud that absorbs nothing over ground: together they send back. `mean`: of the ground's colours. */
+VELUM_FN float velum_shade_albedo(float reflected, float ground, float mean) {
+    float through = 1.0f - reflected;
+    return reflected + through * through * ground / (1.0f - reflected * mean);
+}
+
+/* By height: x, the share of the sun's beam that passes between the clouds above; y, of its flux that comes through
+ * them; z, the reflectance of the clouds below; w, the share of the sky's flux that passes the clouds above. Levels at
+ * heights VELUM_SHADE_TOP_M (i / last)^2. */
+#define VELUM_SHADE_LEVELS 32 /* the last: 31 */
+#define VELUM_SHADE_TOP_M 20000.0f
+VELUM_FN float velum_shade_level_of(float height_m) {
+    return VELUM_SQRT(velum_clamp(height_m / VELUM_SHADE_TOP_M, 0.0f, 1.0f)) * 31.0f;
+}
+VELUM_FN float velum_shade_height_m(int level) {
+    float x = VELUM_TO_FLOAT(level) / 31.0f;
+    return VELUM_SHADE_TOP_M * x * x;
+}
+
+#endif
