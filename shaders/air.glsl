@@ -37,8 +37,8 @@ float sun_over_horizon(float height_m, float mu) {
     return smoothstep(-radius, radius, mu - velum_horizon_mu(height_m));
 }
 
-/* Asymmetry of haze and fog. What they scatter forward still counts as on its way (delta-Eddington, Joseph et al. 1976);
- * the other mean cosine is what is left. */
+/* Asymmetry of haze and fog. What they scatter forward still counts as on its way (delta-Eddington, Joseph et al.
+ * 1976); the other mean cosine is what is left. */
 const float haze_g = 0.7;
 const float haze_forward = haze_g * haze_g;
 const float fog_g = 0.75;
@@ -89,7 +89,8 @@ float dust_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     /* Fog ends at its top. */
     float top_m = eye.drift.z;
     float under_m = max(top_m - low, 0.0);
-    float inside_m = min(distance_m, VELUM_WGS84_A_M * (sqrt(mu_low * mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - mu_low));
+    float to_top = sqrt(mu_low * mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - mu_low;
+    float inside_m = min(distance_m, VELUM_WGS84_A_M * to_top);
     float end_m = min(high, top_m);
     float climb = end_m - low;
     float fog = abs(climb) < 1.0 ? velum_fog_density(low, top_m)
@@ -102,8 +103,8 @@ vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     bool rises = mu0 + mu1 >= 0.0;
     vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
     vec3 beyond = air_to_space(rises ? h1 : h0, rises ? mu1 : -mu0);
-    vec3 t = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0)) * exp(-dust_between(h0, mu0, h1, mu1, distance_m));
-    return eye.ground.w == 0.0 ? vec3(1.0) : t;
+    vec3 clean = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0));
+    return eye.ground.w == 0.0 ? vec3(1.0) : clean * exp(-dust_between(h0, mu0, h1, mu1, distance_m));
 }
 
 float phase_rayleigh(float c) {
@@ -149,7 +150,8 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
     vec3 turned = rayleigh + aerosol;
-    vec3 source = sun * beam * (rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G));
+    vec3 single = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
+    vec3 source = sun * beam * single;
     for (int once = haze + fog > 0.0 ? 0 : 1; once < 1; ++once) {
         float sun_height = max(mu_sun, 0.06);
         float top_m = eye.drift.z;

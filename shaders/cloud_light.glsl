@@ -113,8 +113,8 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
                                to_sun * (f.top_m - last));
 }
 
-/* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side at
- * once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
+/* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
+ * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
  * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.105; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
@@ -156,8 +156,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
-    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. */
-    float face = max(mu_sun, 0.6 * (1.0 - up));
+    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps turn faces to a low sun. */
+    float face = max(mu_sun, 0.5);
     float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float dark = down + max(flank - lit, 0.0);
     float diffuse = lit / (lit + dark) * (1.0 - exp(-0.10 * whole)) * max(1.0 + limb * hit.rise * (down - up), 0.0);
@@ -168,7 +168,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
            (above * up + below * down + beside * flank) / (up + down + flank);
 }
 
-/* The same for a uniform layer, what the table is made for. `place_m`: how far beyond the sample the light comes from. */
+/* The same for a uniform layer, what the table is made for. `place_m`: how far beyond the sample the light comes
+ * from. */
 vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inout float place_m) {
     velum_slot_fields f = hit.fields;
     float g = eye.slots[hit.slot].optics.y;

@@ -110,7 +110,8 @@ void main() {
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
         float long_dt = max(dt_min, min(position * growth, longest)) * (1.0 + 4.0 * spent * spent * spent);
-        float dt = min(is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt), end - position);
+        float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
+        dt = min(dt, end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
         velum_place place = place_of(r);
@@ -212,7 +213,8 @@ void main() {
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
-        float layer_m = f.coverage > 0.0 && !uniform_layer ? max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min) : 1.0e9;
+        float layer_m = max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min);
+        layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
         bool passes = looking && !is_short && dt > 1.5 * layer_m && low < f.top_m && high > f.base_m;
         if (passes) {
@@ -243,7 +245,8 @@ void main() {
         alive = position < end && left > 0;
 
         /* Behind most of the cloud's opacity the light found last will do. */
-        bool wanted = hit.extinction_1_m > 0.0 && (STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim) || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
+        bool shows = STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim);
+        bool wanted = hit.extinction_1_m > 0.0 && (shows || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
         int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
         light_samples += uint(light_steps);
         float place_m = 0.0;

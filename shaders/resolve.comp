@@ -179,7 +179,7 @@ void main() {
         near = enter_m > 0.0 ? along_ray(near.x, near.y, enter_m) : near;
         /* All the way: to the ground, or to space. Then, of the light of all the way, the share before what is hit. */
         bool to_ground = ground >= 0.0;
-        float way = (to_ground ? ground : along_to(near.x, near.y, VELUM_AIR_TOP_M, true) + enter_m) - enter_m;
+        float way = to_ground ? ground - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
         vec2 far = along_ray(near.x, near.y, max(way, 0.0));
         vec3 whole = enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way);
         vec3 air = whole;
@@ -187,7 +187,8 @@ void main() {
         for (int once = host ? 0 : 1; once < 1; ++once) {
             float before_m = hit - enter_m;
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
-            air = before_m > 0.0 && enter_m >= 0.0 ? air_between(near.x, near.y, there.x, there.y, before_m) : vec3(1.0);
+            air = air_between(near.x, near.y, there.x, there.y, before_m);
+            air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
         }
         vec3 sky = sky_luminance(ray.direction, to_ground);
         vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);

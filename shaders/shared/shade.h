@@ -7,7 +7,7 @@
 /* Share of the extinction that takes light off its way: delta scaling (Joseph et al. 1976), mean cosine 0.86. */
 #define VELUM_TURNING_SHARE 0.26f
 /* Of the noise's period: across a cloud. */
-#define VELUM_CLOUD_SHARE 0.1f
+#define VELUM_CLOUD_SHARE 0.15f
 
 /* Flux that a plane layer without absorption lets through, of what falls on it: Eddington's approximation over black
  * ground (Shettle & Weinman 1970); mean cosine 0.86 of droplets. */

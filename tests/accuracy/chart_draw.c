@@ -196,6 +196,9 @@ static void write_scene_lines(FILE *file, const chart *c, chart_axis axis, range
             if (m) {
                 double cost = axis == BY_MS ? m->ms_per_megapixel : m->samples + m->light_samples;
                 double error = fmax(program_error(c->p, m), 1e-4);
+                if (!(cost > 0.0)) { /* no place on the axis */
+                    continue;
+                }
                 fprintf(file, "%.6g %.6g\n", cost, error);
                 extend(x, cost);
                 extend(y, error);
