@@ -23,39 +23,39 @@ static void fill_drift(const core_drift *d, velum_eye_block *out) {
 /* Light of the whole sky, as if it all came at this cosine. */
 #define SKY_MU 0.6f
 
-/* velum_eye_block.shades at a height, layer by layer from below; `albedo`: of the ground. */
+/* What layers that absorb nothing send back of light that they let through one by one: with light that goes to and fro
+ * between them, (1 - t) / t adds up. */
+static float add_layer(float hindrance, float through) {
+    return hindrance + (1.0f - through) / fmaxf(through, 1e-6f);
+}
+
+/* velum_eye_block.shades at a height. */
 static void add_shade(const core_column *column, float mu_sun, float albedo, float height_m, float weight,
                       float shade[4]) {
-    float beam = 1.0f, sun = 1.0f, sky = 1.0f, reflected = 0.0f;
-    uint32_t left = column->mask;
-    while (left) {
-        uint32_t lowest = VELUM_SLOT_COUNT;
-        for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-            if ((left & (1u << slot)) &&
-                (lowest == VELUM_SLOT_COUNT || column->slot[slot].base_m < column->slot[lowest].base_m)) {
-                lowest = slot;
-            }
+    float beam = 1.0f, sun = 0.0f, sky = 0.0f, below = 0.0f;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (!(column->mask & (1u << slot))) {
+            continue;
         }
-        left &= ~(1u << lowest);
-        velum_slot_fields f = column->slot[lowest];
-        float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)lowest).shape_period_m;
+        velum_slot_fields f = column->slot[slot];
+        float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)slot).shape_period_m;
         velum_layer_light above = velum_layer_light_at(f, height_m, mu_sun, 0.0f, cloud_m);
         velum_layer_light even = velum_layer_light_at(f, height_m, SKY_MU, 0.0f, cloud_m);
         beam *= above.open;
-        sun *= above.open + above.through;
-        sky *= even.open + even.through;
+        sun = add_layer(sun, above.open + above.through);
+        sky = add_layer(sky, even.open + even.through);
         f.top_m = fminf(f.top_m, height_m);
         if (f.top_m > f.base_m) {
-            velum_layer_light below = velum_layer_light_at(f, f.base_m, mu_sun, 0.0f, cloud_m);
-            float through = below.open + below.through;
-            reflected = 1.0f - through + through * through * reflected / (1.0f - (1.0f - through) * reflected);
+            velum_layer_light under = velum_layer_light_at(f, f.base_m, mu_sun, 0.0f, cloud_m);
+            below = add_layer(below, under.open + under.through);
         }
     }
-    /* Light goes to and fro between what is below and the clouds above. */
-    float back = velum_shade_albedo(reflected, albedo, albedo);
-    sun /= 1.0f - (1.0f - sky) * back;
-    sky /= 1.0f - (1.0f - sky) * back;
-    const float found[4] = {beam, fmaxf(sun - beam, 0.0f), reflected, sky};
+    float reflected = below / (1.0f + below);
+    /* The ground and the clouds below send light back to the clouds above: what these let through has come again. */
+    float dark = 1.0f - velum_shade_albedo(reflected, albedo, albedo);
+    float through_sun = (1.0f + sky) / ((1.0f + sun) * (1.0f + dark * sky));
+    float through_sky = 1.0f / (1.0f + dark * sky);
+    const float found[4] = {beam, fmaxf(through_sun - beam, 0.0f), reflected, through_sky};
     for (int i = 0; i < 4; i++) {
         shade[i] += weight * found[i];
     }

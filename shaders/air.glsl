@@ -23,6 +23,12 @@ float haze_extinction_1_m(float height_m) {
     return eye.drift.w * exp(-max(height_m - eye.span.z, 0.0) / haze_scale_m);
 }
 
+/* Depth of haze straight down from a height to the surface; below it the haze is even. */
+float haze_under(float height_m) {
+    float over_m = height_m - eye.span.z;
+    return eye.drift.w * (over_m > 0.0 ? haze_scale_m * (1.0 - exp(-over_m / haze_scale_m)) : over_m);
+}
+
 /* Of clean air, from a height to space; below the horizon as at it. */
 vec3 air_to_space(float height_m, float mu) {
     velum_air_uv uv = velum_air_uv_of(height_m, mu);
@@ -63,7 +69,9 @@ vec3 sun_through_air(float height_m, float mu) {
 
 /* Depth of haze from a height to space; a way below the horizontal passes its lowest point. */
 float haze_to_space(float height_m, float mu) {
+    float even_m = max(eye.span.z - height_m, 0.0);
     float own = haze_extinction_1_m(height_m) * velum_slant(haze_scale_m, height_m, abs(mu));
+    own *= 1.0 + even_m / haze_scale_m;
     float r = VELUM_WGS84_A_M + height_m;
     float lowest_m = r * sqrt(max(1.0 - mu * mu, 0.0)) - VELUM_WGS84_A_M;
     float through = 2.0 * haze_extinction_1_m(lowest_m) * velum_slant(haze_scale_m, lowest_m, 0.0);
@@ -80,10 +88,8 @@ float dust_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     float high = rises ? h1 : h0;
     float mu_low = rises ? mu0 : -mu1;
     float mu_high = rises ? mu1 : -mu0;
-    float e0 = haze_extinction_1_m(low);
-    float e1 = haze_extinction_1_m(high);
     float rise = high - low;
-    float straight = abs(rise) < 1.0 ? e0 : haze_scale_m * (e0 - e1) / rise;
+    float straight = abs(rise) < 1.0 ? haze_extinction_1_m(low) : (haze_under(high) - haze_under(low)) / rise;
     float haze = distance_m < straight_m ? straight * distance_m
                                          : haze_to_space(low, mu_low) - haze_to_space(high, mu_high);
     /* Fog ends at its top. */

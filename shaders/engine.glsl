@@ -32,9 +32,14 @@ velum_place place_of(vec3 r) {
     return velum_place_at(eye_geometry(), r.x, r.y, r.z);
 }
 
-/* Distance along a ray from offset o to the ellipsoid, or a negative number. */
+/* The ground is the ellipsoid. Where the sea lies lower, so does an eye on it: then it is just under the eye. */
+float ground_height_m() {
+    return min(eye.up.w * 1.01 - 2.0, 0.0);
+}
+
+/* Distance along a ray from offset o to the ground, or a negative number. */
 float ground_distance(vec3 o, vec3 d) {
-    velum_span span = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, 0.0);
+    velum_span span = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, ground_height_m());
     if (span.enter_m > span.leave_m || span.leave_m < 0.0) {
         return -1.0;
     }

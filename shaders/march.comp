@@ -109,7 +109,8 @@ void main() {
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
-        float long_dt = max(dt_min, min(position * growth, longest)) * (1.0 + 4.0 * spent * spent * spent);
+        float hurry = 1.0 + 4.0 * spent * spent * spent;
+        float long_dt = max(dt_min, min(position * growth, longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
         dt = min(dt, end - position);
         float at = position + dt * offset;
@@ -216,7 +217,7 @@ void main() {
         float layer_m = max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
-        bool passes = looking && !is_short && dt > 1.5 * layer_m && low < f.top_m && high > f.base_m;
+        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < f.top_m && high > f.base_m;
         if (passes) {
             found = false;
             longest = allowed;

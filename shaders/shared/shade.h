@@ -47,7 +47,7 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
 /* Of cloud that absorbs nothing over ground: together they send back. `mean`: of the ground's colours. */
 VELUM_FN float velum_shade_albedo(float reflected, float ground, float mean) {
     float through = 1.0f - reflected;
-    return reflected + through * through * ground / (1.0f - reflected * mean);
+    return reflected + through * through * ground / VELUM_MAX(1.0f - reflected * mean, 1.0e-6f);
 }
 
 /* By height: x, the share of the sun's beam that passes between the clouds above; y, of its flux that comes through
