@@ -1,0 +1,177 @@
+/* Light and shade of whole scenes, where a mistake shows at once. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fixture.h"
+
+enum { WIDTH = 48, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
+static const double lat_deg = 50.0, lon_deg = 8.5;
+
+typedef struct scene {
+    double height_m, pitch_deg, sun_deg; /* of the eye; over the horizon; looking east, the sun in the south-west */
+    float albedo;
+    int32_t quality, atmosphere;
+} scene;
+
+typedef struct answer {
+    double luminance, transmittance; /* mean */
+    double most;
+} answer;
+
+static answer look(fixture *f, const scene *s) {
+    double east[3], north[3], up[3], forward[3], sun[3];
+    const double deg = acos(-1.0) / 180.0;
+    velum_eye *eye = NULL;
+    const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = s->quality};
+    assert_int_equal(f->engine_api->create_eye(f->engine, &desc, &eye), VELUM_OK);
+    velum_view *view = fixture_view(f, eye, WIDTH, HEIGHT);
+    fixture_axes(lat_deg, lon_deg, east, north, up);
+    for (int i = 0; i < 3; i++) {
+        forward[i] = cos(s->pitch_deg * deg) * east[i] + sin(s->pitch_deg * deg) * up[i];
+        sun[i] = sin(s->sun_deg * deg) * up[i] - cos(s->sun_deg * deg) * (0.6 * east[i] + 0.8 * north[i]);
+    }
+    double right[3];
+    for (int i = 0; i < 3; i++) {
+        right[i] = -north[i];
+    }
+    velum_frame_info frame = fixture_frame(sun, 0.0, s->atmosphere);
+    for (int i = 0; i < 3; i++) {
+        frame.ground_albedo[i] = s->albedo;
+    }
+    velum_eye_frame at = {.struct_size = sizeof at, .eye = eye};
+    fixture_position(lat_deg, lon_deg, s->height_m, at.position_ecef_m);
+    velum_view_frame camera = fixture_camera(at.position_ecef_m, forward, right, 0.4f, 0.3f);
+    camera.flags |= s->atmosphere == VELUM_ATMOSPHERE_EARTH ? VELUM_VIEW_GROUND : 0u;
+    float *light = calloc(3 * PIXELS, sizeof *light);
+    float *through = calloc(3 * PIXELS, sizeof *through);
+    assert_true(light && through);
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = view,
+                                 .frame = &camera,
+                                 .luminance_rgb = light,
+                                 .transmittance_rgb = through,
+                                 .width = WIDTH,
+                                 .height = HEIGHT};
+    for (int i = 0; i < 32; i++) {
+        assert_int_equal(f->standalone_api->render(f->engine, &frame, &at, 1, 0, &pixels, 1, 0), VELUM_OK);
+    }
+    answer a = {0};
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        double luminance = (double)light[i];
+        assert_true(isfinite(luminance) && luminance >= 0.0 && through[i] >= 0.0f && through[i] <= 1.0f);
+        a.luminance += luminance / (3 * PIXELS);
+        a.transmittance += (double)through[i] / (3 * PIXELS);
+        a.most = fmax(a.most, luminance);
+    }
+    free(through);
+    free(light);
+    assert_int_equal(f->engine_api->destroy_view(view), VELUM_OK);
+    assert_int_equal(f->engine_api->destroy_eye(eye), VELUM_OK);
+    return a;
+}
+
+/* The sea lies up to 107 m below the ellipsoid (EGM96). */
+static void the_sea_below_the_ellipsoid_is_like_any(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer cumulus = fixture_cumulus();
+    fixture_commit(&f, &cumulus, 1);
+    scene s = {.height_m = 2.0, .sun_deg = 40.0, .albedo = 0.1f, .atmosphere = VELUM_ATMOSPHERE_EARTH};
+    s.quality = VELUM_QUALITY_LOW;
+    const answer above = look(&f, &s);
+    assert_true(above.luminance > 500.0);
+    const double heights_m[] = {0.0, -1.0, -105.0, -430.0};
+    for (int i = 0; i < 4; i++) {
+        s.height_m = heights_m[i];
+        assert_float_equal(look(&f, &s).luminance, above.luminance, 0.08 * above.luminance);
+    }
+    fixture_finish(&f);
+}
+
+/* Between white ground and white cloud light goes to and fro, but no more comes out than went in: nothing is brighter
+ * than a white sheet in the sun, save toward it. */
+static void white_ground_under_deep_cloud_gains_nothing(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer layers[3];
+    for (int i = 0; i < 3; i++) {
+        layers[i] = fixture_cumulus();
+        layers[i].genus = i == 0 ? VELUM_GENUS_ST : i == 1 ? VELUM_GENUS_SC : VELUM_GENUS_NS;
+        layers[i].coverage = 1.0f;
+        layers[i].base_m = 600.0f + 2000.0f * (float)i;
+        layers[i].top_m = layers[i].base_m + 1500.0f;
+        layers[i].water_g_m3 = 0.8f;
+    }
+    fixture_commit(&f, layers, 3);
+    for (int k = 0; k < 3; k++) {
+        const scene s = {.height_m = k == 0   ? 100.0
+                                     : k == 1 ? 2300.0
+                                              : 12000.0,
+                         .pitch_deg = k == 2 ? -30.0 : 0.0,
+                         .sun_deg = 40.0,
+                         .albedo = 1.0f,
+                         .quality = VELUM_QUALITY_LOW,
+                         .atmosphere = VELUM_ATMOSPHERE_EARTH};
+        const answer a = look(&f, &s);
+        const double white = 128000.0 * sin(40.0 / 57.29578) / acos(-1.0);
+        assert_true(a.most > 0.0 && a.most < 2.0 * white);
+    }
+    fixture_finish(&f);
+}
+
+/* A step from far above may not pass over a layer. */
+static void cloud_is_met_from_any_height(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer cumulus = fixture_cumulus();
+    cumulus.coverage = 0.5f;
+    fixture_commit(&f, &cumulus, 1);
+    const int32_t qualities[] = {VELUM_QUALITY_LOW, VELUM_QUALITY_MEDIUM, VELUM_QUALITY_HIGH};
+    const double heights_m[] = {20000.0, 120000.0, 400000.0};
+    for (int q = 0; q < 3; q++) {
+        for (int h = 0; h < 3; h++) {
+            const scene s = {.height_m = heights_m[h],
+                             .pitch_deg = -90.0,
+                             .sun_deg = 40.0,
+                             .quality = qualities[q],
+                             .atmosphere = VELUM_ATMOSPHERE_NONE};
+            assert_float_equal(look(&f, &s).transmittance, 0.5, 0.15);
+        }
+    }
+    fixture_finish(&f);
+}
+
+/* Under a low sun lines of sight to it are few between the clouds, and the haze below is dim; above them it is not. */
+static void cloud_shades_the_air_under_a_low_sun(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    scene s = {.height_m = 50.0, .pitch_deg = -6.0, .sun_deg = 3.0, .albedo = 0.1f};
+    s.quality = VELUM_QUALITY_LOW;
+    s.atmosphere = VELUM_ATMOSPHERE_EARTH;
+    scene over = s;
+    over.height_m = 9000.0;
+    over.pitch_deg = 20.0;
+    velum_layer cumulus = fixture_cumulus();
+    cumulus.coverage = 0.0f;
+    fixture_commit(&f, &cumulus, 1);
+    const double clear = look(&f, &s).luminance;
+    const double clear_over = look(&f, &over).luminance;
+    cumulus.coverage = 0.5f;
+    fixture_commit(&f, &cumulus, 1);
+    assert_true(look(&f, &s).luminance < 0.6 * clear);
+    assert_float_equal(look(&f, &over).luminance, clear_over, 0.2 * clear_over);
+    fixture_finish(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_sea_below_the_ellipsoid_is_like_any),
+                                       cmocka_unit_test(white_ground_under_deep_cloud_gains_nothing),
+                                       cmocka_unit_test(cloud_is_met_from_any_height),
+                                       cmocka_unit_test(cloud_shades_the_air_under_a_low_sun)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
