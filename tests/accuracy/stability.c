@@ -16,6 +16,7 @@ trial_weather trial_no_air(const char *layers) {
 trial_weather trial_air(const char *layers, double sun_elevation_deg) {
     return (trial_weather){.layers = layers,
                            .atmosphere = "earth",
+                           .albedo = 0.1,
                            .sun_azimuth_deg = 160.0,
                            .sun_elevation_deg = sun_elevation_deg,
                            .lat_deg = 50.0,
@@ -34,10 +35,12 @@ bool trial_load(trial *t, const trial_weather *w) {
     trial_close(t);
     snprintf(text, sizeof text,
              "{\"velum\": 1, \"start\": \"2014-12-18T12:00:00Z\", \"duration_s\": 1e9, \"seed\": 7, \"sun\": "
-             "{\"azimuth_deg\": %.9g, \"elevation_deg\": %.9g}, \"atmosphere\": \"%s\", \"weather\": [{\"time_s\": 0, "
+             "{\"azimuth_deg\": %.9g, \"elevation_deg\": %.9g}, \"atmosphere\": \"%s\", \"ground\": {\"albedo\": "
+             "[%g, %g, %g]}, \"weather\": [{\"time_s\": 0, "
              "\"sources\": [{\"global\": {\"layers\": [%s]}}]}], \"camera\": [{\"lat_deg\": %.9g, \"lon_deg\": %.9g, "
              "\"height_m\": 0}]}",
-             w->sun_azimuth_deg, w->sun_elevation_deg, w->atmosphere, w->layers, w->lat_deg, w->lon_deg);
+             w->sun_azimuth_deg, w->sun_elevation_deg, w->atmosphere, w->albedo, w->albedo, w->albedo, w->layers,
+             w->lat_deg, w->lon_deg);
     t->is_new = true;
     t->s->hides_ground = strcmp(w->atmosphere, "none") == 0;
     return stage_load_text(t->s, text, w->wind_east_m_s) == STAGE_OK;

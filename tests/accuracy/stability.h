@@ -39,6 +39,7 @@ typedef struct trial_weather {
     const char *layers; /* JSON: what stands inside "layers": [] */
     const char *atmosphere;
     double sun_azimuth_deg, sun_elevation_deg;
+    double albedo;           /* of the ground */
     double lat_deg, lon_deg; /* where the sun is given */
     float wind_east_m_s;
 } trial_weather;

@@ -29,6 +29,17 @@ static double first_order(const trial *t, const double ray[3], double height_m, 
     return SUN_LX * phase_hg(cosine, g) * exp(-near_depth) * share;
 }
 
+/* All orders of a peak so narrow that light hardly leaves its way: n turns of Henyey and Greenstein's function are one
+ * of g^n. */
+static double narrow_orders(double cosine, double depth, double g) {
+    double share = SUN_LX * exp(-depth), sum = 0.0;
+    for (int n = 1; n <= 40; n++) {
+        share *= depth / n;
+        sum += share * phase_hg(cosine, pow(g, n));
+    }
+    return sum;
+}
+
 static void set_step(velum_plan *plan, double value) {
     plan->step_m = (float)value;
     plan->step_growth = 0.0f;
@@ -202,9 +213,13 @@ static bool forward_peak(trial *t) {
     for (uint32_t i = 0; i < t->now.count; i++) {
         double ray[3];
         trial_ray(t, &c, i % t->now.width, i / t->now.width, ray);
-        double expected = first_order(t, ray, 300.0, 1e-3, g);
+        double cosine = 0.0;
+        for (int k = 0; k < 3; k++) {
+            cosine += ray[k] * t->s->sun[k];
+        }
+        double expected = narrow_orders(cosine, 1e-3 * (TOP_M - BASE_M) / ray[0], g);
         cut += expected > CLOUD_MOST_CD_M2 ? 1 : 0;
-        /* Elsewhere higher orders count. */
+        /* Elsewhere it has left its way. */
         if (expected > 1e5) {
             expected = fmin(expected, CLOUD_MOST_CD_M2);
             t->value = trial_worse(t->value, fabs((double)t->now.luminance[i] / expected - 1.0));
@@ -246,7 +261,7 @@ const stability_case stability_media[] = {
      "share of the sky that shows through (transmittance above exp(-0.5))", 0.02, coverage_1},
     {"forward_peak_0.999", "the peak overflows half floats, or burns",
      "the phase function's own peak; light of cloud ends at 960,000 cd/m2, as bright as a picture near the sun can use",
-     "luminance against single scattering in double precision, ended there: greatest relative difference near the peak",
-     0.05, forward_peak},
+     "luminance against all orders of a narrow peak, ended there: greatest relative difference near the peak", 0.05,
+     forward_peak},
     {NULL, NULL, NULL, NULL, 0.0, NULL},
 };
