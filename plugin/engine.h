@@ -146,8 +146,7 @@ struct engine {
     uint64_t noise_serial;                                  /* of the frame that sends it */
     bool filled;                                            /* noise and white are on the device */
     scattering_key scattering_key[VELUM_SCATTERING_TABLES]; /* what is there of them */
-    bool air_ready;
-    bool glow_ready;
+    bool air_ready; /* the tables of air and glow */
     shadow *newest_shadow;  /* drawn last */
     shadow *bound_shadow;   /* that this frame's views see; null: none */
     gpu_buffer noise_slope; /* of the reference (shared/reference.h), once an eye wants it */

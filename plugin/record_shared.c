@@ -114,9 +114,7 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     memcpy(key.sun_lx, b->sun_lx, sizeof key.sun_lx);
     memcpy(key.ground, b->ground, sizeof key.ground);
     memcpy(key.shades, b->shades, sizeof key.shades);
-    bool first = !e->air_ready;
-    bool glow = !e->glow_ready;
-    bool sky = !y->sky_ready || glow || memcmp(&key, &y->sky_key, sizeof key) != 0;
+    bool sky = !y->sky_ready || memcmp(&key, &y->sky_key, sizeof key) != 0;
     if (!sky) {
         return true;
     }
@@ -127,18 +125,12 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     }
     e->g.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_engine, 0, 1, &y->set, 2,
                                offsets);
-    if (first) {
+    if (!e->air_ready) {
         record_dispatch(e, commands, PASS_AIR, VELUM_AIR_W, VELUM_AIR_H);
         compute_to_compute(e, commands);
-        e->air_ready = true;
-    }
-    if (glow) {
         record_dispatch(e, commands, PASS_GLOW, VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE);
         compute_to_compute(e, commands);
-        e->glow_ready = true;
-        for (eye *other = e->eyes; other; other = other->next) {
-            other->sky_ready = false;
-        }
+        e->air_ready = true;
     }
     record_dispatch(e, commands, PASS_SKY, VELUM_SKY_W, VELUM_SKY_H);
     y->sky_key = key;

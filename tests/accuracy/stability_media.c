@@ -13,14 +13,16 @@ static double phase_hg(double cosine, double g) {
     return (1.0 - g * g) / pow(1.0 + g * g - 2.0 * g * cosine, 1.5) / (4.0 * acos(-1.0));
 }
 
+static double sun_cosine(const trial *t, const double ray[3]) {
+    const double *sun = t->s->sun;
+    return ray[0] * sun[0] + ray[1] * sun[1] + ray[2] * sun[2];
+}
+
 /* Light scattered once in the layer between BASE_M and TOP_M at the equator's beginning, over a flat ground. */
 static double first_order(const trial *t, const double ray[3], double height_m, double extinction_1_m, double g) {
     const double rise = ray[0]; /* the normal there is the first axis */
     const double mu_sun = t->s->sun[0];
-    double cosine = 0.0;
-    for (int k = 0; k < 3; k++) {
-        cosine += ray[k] * t->s->sun[k];
-    }
+    const double cosine = sun_cosine(t, ray);
     double near_m = fmin(fmax(height_m, BASE_M), TOP_M), far_m = rise > 0.0 ? TOP_M : BASE_M;
     double depth = extinction_1_m * (far_m - near_m) / rise;
     double near_depth = extinction_1_m * (TOP_M - near_m) / mu_sun;
@@ -213,11 +215,7 @@ static bool forward_peak(trial *t) {
     for (uint32_t i = 0; i < t->now.count; i++) {
         double ray[3];
         trial_ray(t, &c, i % t->now.width, i / t->now.width, ray);
-        double cosine = 0.0;
-        for (int k = 0; k < 3; k++) {
-            cosine += ray[k] * t->s->sun[k];
-        }
-        double expected = narrow_orders(cosine, 1e-3 * (TOP_M - BASE_M) / ray[0], g);
+        double expected = narrow_orders(sun_cosine(t, ray), 1e-3 * (TOP_M - BASE_M) / ray[0], g);
         cut += expected > CLOUD_MOST_CD_M2 ? 1 : 0;
         /* Elsewhere it has left its way. */
         if (expected > 1e5) {

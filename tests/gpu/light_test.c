@@ -1,7 +1,6 @@
 /* Light and shade of whole scenes, where a mistake shows at once. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "fixture.h"
 
