@@ -180,7 +180,8 @@ vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inou
     float depth = f.extinction_1_m * span.inside_m;
     vec3 above = ambient_over(f.top_m);
     vec3 below = ambient_under(f.base_m);
-    vec3 source = sun * albedo * velum_phase_hg(phases.cos_sun, g) * light.direct;
+    float straight = 1.0 - eye.slots[hit.slot].optics.z; /* of what meets a drop */
+    vec3 source = vec3(0.0);
     /* Two points of Gauss and Legendre over the light that the step takes. */
     for (int i = 0; i < 2; ++i) {
         float share = velum_slab_share(depth, i == 0 ? 0.21132487 : 0.78867513);
@@ -189,8 +190,10 @@ vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inou
         float over = f.extinction_1_m * max(f.top_m - h, 0.0);
         float under = f.extinction_1_m * max(h - f.base_m, 0.0);
         vec2 sky = scattered_sky(which, over, under, -hit.rise);
-        source += 0.5 * (sun * scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun) + above * sky.x +
-                         below * sky.y);
+        float first = velum_scattering_first(phases.cos_sun, g, straight / max(albedo, 1e-6),
+                                             straight * over / max(mu_sun, 1e-3));
+        float later = scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun);
+        source += 0.5 * (sun * (albedo * light.direct * first + later) + above * sky.x + below * sky.y);
     }
     float seen_m = mix(span.from_m, span.to_m, light.place);
     place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);

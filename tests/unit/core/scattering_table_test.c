@@ -241,12 +241,59 @@ static void moments_are_means_of_legendre_polynomials(void **state) {
     }
 }
 
+/* Integral over the sphere by the midpoint rule in ln(1 - c + 1e-8). */
+static double whole(float g, float peak, float straight) {
+    const int steps = 40000;
+    const double low = log(1e-8), high = log(2.0 + 1e-8);
+    double sum = 0.0;
+    for (int i = 0; i < steps; i++) {
+        double x = exp(low + (high - low) * (i + 0.5) / steps);
+        sum += x * (double)velum_scattering_first((float)(1.0 + 1e-8 - x), g, peak, straight);
+    }
+    return 2.0 * PI * sum * (high - low) / steps;
+}
+
+static void light_that_went_straight_on_spreads(void **state) {
+    (void)state;
+    static const float gs[] = {-0.5f, 0.0f, 0.5f, 0.85f, 0.95f, 0.99f};
+    static const float optical_depths[] = {0.0f, 0.3f, 2.0f, 30.0f};
+    for (int i = 0; i < 6; i++) {
+        const velum_phase_lobes lobes = velum_phase_lobes_make(gs[i], 0.0f, 0.0f, 0.0f);
+        const float peak = velum_scattering_peak(lobes);
+        /* Nothing is lost by it, and none has before the first drop. */
+        for (int k = 0; k < 4; k++) {
+            assert_true(fabs(whole(gs[i], peak, peak * optical_depths[k]) - 1.0) < 5e-3);
+        }
+        for (int c = -10; c <= 10; c++) {
+            const float cosine = 0.1f * (float)c, hg = velum_phase_hg(cosine, gs[i]);
+            assert_true(fabsf(velum_scattering_first(cosine, gs[i], peak, 0.0f) / hg - 1.0f) < 1e-5f);
+        }
+    }
+    /* All peak: orders of a narrow beam, exp(-t) t^k / k! of g^(k + 1) each. */
+    for (int k = 0; k < 4; k++) {
+        const double t = (double)optical_depths[k];
+        for (int c = 0; c < 8; c++) {
+            const float cosine = 1.0f - 1e-4f * (float)(c * c);
+            double share = exp(-t), expected = 0.0, power = 0.99;
+            for (int n = 0; n < 120; n++) {
+                expected += share * (double)velum_phase_hg(cosine, (float)power);
+                share *= t / (n + 1);
+                power *= 0.99;
+            }
+            /* Late orders stand together; 1 + g^2 - 2 g c has few digits left here. */
+            const double most = t > 10.0 ? 0.1 : 4e-3;
+            assert_true(fabs((double)velum_scattering_first(cosine, 0.99f, 1.0f, (float)t) / expected - 1.0) < most);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(layers_radiate_as_discrete_ordinates_say),
                                        cmocka_unit_test(white_cloud_vanishes_in_even_light),
                                        cmocka_unit_test(white_layers_keep_no_light),
                                        cmocka_unit_test(thin_layers_scatter_once),
                                        cmocka_unit_test(every_input_gives_a_number),
-                                       cmocka_unit_test(moments_are_means_of_legendre_polynomials)};
+                                       cmocka_unit_test(moments_are_means_of_legendre_polynomials),
+                                       cmocka_unit_test(light_that_went_straight_on_spreads)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
