@@ -7,6 +7,7 @@ core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, con
                               .weight_1 = drift->weight[1],
                               .drifting = drift->weight[0] > 0.0f && drift->weight[1] > 0.0f,
                               .stretch = velum_noise_of((int)slot).stretch,
+                              .fine_stretch = velum_noise_of((int)slot).fine_stretch,
                               .slot = (int)slot};
     core_slot_phases_at(slot, origin_ecef_m, drift, &cloud.phases);
     return cloud;
@@ -36,23 +37,23 @@ float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fi
 }
 
 static float detail_of(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float phases[2][4],
-                       const float point_m[3]) {
+                       float stretch, const float point_m[3]) {
     int life = only_life(cloud);
-    velum_noise_point p = place_in(cloud, fields, phases[life], cloud->stretch, life, point_m);
+    velum_noise_point p = place_in(cloud, fields, phases[life], stretch, life, point_m);
     float detail = core_noise_detail(cloud->noise, p.x, p.y, p.z);
     if (cloud->drifting) {
-        p = place_in(cloud, fields, phases[1], cloud->stretch, 1, point_m);
+        p = place_in(cloud, fields, phases[1], stretch, 1, point_m);
         detail = velum_detail_mix(detail, core_noise_detail(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
     }
     return detail;
 }
 
 float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]) {
-    return 2.0f * detail_of(cloud, fields, (const float(*)[4])cloud->phases.lump, point_m) - 1.0f;
+    return 2.0f * detail_of(cloud, fields, (const float(*)[4])cloud->phases.lump, 1.0f, point_m) - 1.0f;
 }
 
 float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]) {
-    return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, point_m);
+    return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, cloud->fine_stretch, point_m);
 }
 
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],

@@ -16,7 +16,7 @@ typedef struct core_cloud_noise {
     float tau_s[2];
     float weight_1; /* of drift phase 1 */
     bool drifting;  /* both phases have weight */
-    float stretch;
+    float stretch, fine_stretch;
     int slot;
 } core_cloud_noise;
 

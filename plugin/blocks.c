@@ -100,6 +100,7 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         float *bounds = out->slots[slot].bounds;
         bounds[2] = velum_noise_of((int)slot).stretch;
+        out->slots[slot].optics[3] = velum_noise_of((int)slot).fine_stretch;
         if (mask & (1u << slot)) {
             bounds[0] = t->base_m[slot];
             bounds[1] = t->top_m[slot];

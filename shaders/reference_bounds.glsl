@@ -63,7 +63,7 @@ slot_tile slot_tile_none() {
     s.even = 0u;
     s.parts = uvec4(0u);
     s.fields = velum_slot_fields(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    s.profile = velum_profile_make(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    s.profile = velum_profile_make(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     return s;
 }
 

@@ -160,8 +160,7 @@ float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float heig
 }
 
 /* Detail noise, 0..1, at r with the phases of one of its two scales. */
-float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1) {
-    float stretch = eye.slots[slot].bounds.z;
+float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1, float stretch) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 p = noise_place(r - wind * eye.weather.z, phase_0, stretch);
     float n = velum_detail_at(p.x, p.y, p.z);
@@ -173,11 +172,11 @@ float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 p
 }
 
 float lump_noise(int slot, velum_slot_fields f, vec3 r) {
-    return 2.0 * drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1) - 1.0;
+    return 2.0 * drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1, 1.0) - 1.0;
 }
 
 float fine_noise(int slot, velum_slot_fields f, vec3 r) {
-    return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1);
+    return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1, eye.slots[slot].optics.w);
 }
 
 #endif

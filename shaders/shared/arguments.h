@@ -26,10 +26,11 @@ VELUM_STRUCT(velum_slot_block) {
     VELUM_VEC4(lump_1);
     VELUM_VEC4(fine_0);
     VELUM_VEC4(fine_1);
-    VELUM_VEC4(bounds); /* lowest base, highest top (HAE m) among the tiles of the table; stretch; of the reference
-                           alone: greatest extinction */
+    VELUM_VEC4(bounds); /* lowest base, highest top (HAE m) among the tiles of the table; stretch of the shape; of the
+                           reference alone: greatest extinction */
     VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g, share of the extinction by which the sun's
-                           light falls off (shared/scattering.h); else 1, 0, 0 */
+                           light falls off (shared/scattering.h); else 1, 0, 0; stretch of
+                           fine detail */
 };
 
 /* An eye in a frame. */

@@ -63,10 +63,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
     velum_calibration_row b;
     float t;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
-        a = velum_calibration_make(500.0f, 1.0587f, 0.4703f, -0.0081f, -0.0217f, 0.0435f, 1.8791f, -0.0433f, -0.0013f,
-                                   0.0026f, 2.1936f, 0.0013f);
-        b = velum_calibration_make(600.0f, 1.1194f, 0.4923f, -0.0160f, -0.0860f, 0.1670f, 2.7020f, -0.0546f, -0.0186f,
-                                   0.0388f, 0.9129f, 0.0084f);
+        a = velum_calibration_make(500.0f, 1.0547f, 0.4640f, -0.0053f, -0.4190f, 0.3162f, 1.9213f, -0.0325f, -0.2312f,
+                                   -0.0593f, 2.2331f, 0.0303f);
+        b = velum_calibration_make(600.0f, 1.1589f, 0.9845f, -0.0265f, -0.1372f, 0.1752f, 4.4694f, -0.1528f, -0.0266f,
+                                   -0.0336f, 0.9248f, 0.0163f);
         t = kind;
     } else if (slot == VELUM_SLOT_CUMULUS) {
         a = velum_calibration_make(1400.0f, 1.3110f, 0.5741f, -0.1483f, -0.4691f, 1.0840f, 3.5190f, -0.0468f, -0.1869f,
@@ -75,37 +75,37 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.4514f, 0.9018f, 0.0519f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.7894f, 0.7280f, -0.0725f, -0.1748f, 0.3653f, 6.1570f, -0.0048f, -0.0196f,
-                                   0.0534f, 1.0268f, 0.0197f);
-        b = velum_calibration_make(10600.0f, 1.7894f, 0.7280f, -0.0725f, -0.1748f, 0.3653f, 6.1570f, -0.0048f, -0.0196f,
-                                   0.0534f, 1.0268f, 0.0197f);
+        a = velum_calibration_make(10600.0f, 1.5083f, 0.7850f, -0.0744f, -0.2515f, 0.5479f, 5.1136f, -0.0122f, -0.0434f,
+                                   0.0836f, 1.0020f, 0.0227f);
+        b = velum_calibration_make(10600.0f, 1.5083f, 0.7850f, -0.0744f, -0.2515f, 0.5479f, 5.1136f, -0.0122f, -0.0434f,
+                                   0.0836f, 1.0020f, 0.0227f);
         t = 0.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {
-            a = velum_calibration_make(2000.0f, 1.0577f, 0.6739f, -0.0155f, -0.0295f, 0.0589f, 2.3815f, -0.0575f,
-                                       -0.0040f, 0.0073f, 2.4658f, 0.0031f);
-            b = velum_calibration_make(4200.0f, 1.0343f, 0.4621f, -0.0069f, -0.0041f, 0.0082f, 1.8127f, -0.0214f,
-                                       0.0005f, -0.0010f, 3.5140f, -0.0069f);
+            a = velum_calibration_make(2000.0f, 1.0230f, 0.4014f, -0.0035f, -0.5872f, 0.5077f, 1.8727f, -0.0482f,
+                                       -0.3698f, 0.0729f, 3.6995f, 0.0405f);
+            b = velum_calibration_make(4200.0f, 1.0126f, 0.1241f, -0.0018f, -0.6467f, 0.6268f, 1.4143f, -0.0224f,
+                                       -0.4752f, 0.2837f, 6.2517f, 0.0777f);
             t = 2.0f * kind;
         } else {
-            a = velum_calibration_make(4200.0f, 1.0343f, 0.4621f, -0.0069f, -0.0041f, 0.0082f, 1.8127f, -0.0214f,
-                                       0.0005f, -0.0010f, 3.5140f, -0.0069f);
+            a = velum_calibration_make(4200.0f, 1.0126f, 0.1241f, -0.0018f, -0.6467f, 0.6268f, 1.4143f, -0.0224f,
+                                       -0.4752f, 0.2837f, 6.2517f, 0.0777f);
             b = velum_calibration_make(500.0f, 1.1462f, 0.5558f, -0.0328f, -0.1110f, 0.2257f, 3.9628f, -0.1855f,
                                        -0.0359f, 0.0664f, 0.9167f, 0.0103f);
             t = 2.0f * kind - 1.0f;
         }
     } else {
         if (kind < 0.5f) {
-            a = velum_calibration_make(1500.0f, 1.0820f, 0.9997f, -0.0316f, -0.0916f, 0.1828f, 3.5877f, -0.1769f,
-                                       -0.0188f, 0.0493f, 2.3924f, 0.0246f);
-            b = velum_calibration_make(1500.0f, 1.1950f, 1.4167f, -0.0925f, -0.2696f, 0.5935f, 8.0529f, -0.8121f,
-                                       -0.0837f, 0.2012f, 1.0818f, 0.0295f);
+            a = velum_calibration_make(1500.0f, 1.0362f, 0.8187f, -0.0051f, -0.2166f, -0.0112f, 3.0053f, -0.0307f,
+                                       -0.1349f, -0.1752f, 3.6032f, 0.0098f);
+            b = velum_calibration_make(1500.0f, 1.1285f, 1.4493f, -0.0215f, -0.1442f, 0.2752f, 7.2968f, -0.1361f,
+                                       -0.0320f, 0.0698f, 1.3552f, 0.0071f);
             t = 2.0f * kind;
         } else {
-            a = velum_calibration_make(1500.0f, 1.1950f, 1.4167f, -0.0925f, -0.2696f, 0.5935f, 8.0529f, -0.8121f,
-                                       -0.0837f, 0.2012f, 1.0818f, 0.0295f);
-            b = velum_calibration_make(500.0f, 1.1786f, 0.9679f, -0.0610f, -0.2255f, 0.5068f, 4.8630f, -0.3396f,
-                                       -0.0893f, 0.2080f, 0.9751f, 0.0238f);
+            a = velum_calibration_make(1500.0f, 1.1285f, 1.4493f, -0.0215f, -0.1442f, 0.2752f, 7.2968f, -0.1361f,
+                                       -0.0320f, 0.0698f, 1.3552f, 0.0071f);
+            b = velum_calibration_make(500.0f, 1.2470f, 1.1434f, -0.1239f, -0.4052f, 1.0295f, 6.9692f, -0.5893f,
+                                       -0.2244f, 0.5190f, 1.3568f, 0.0617f);
             t = 2.0f * kind - 1.0f;
         }
     }

@@ -5,10 +5,10 @@
  *     float velum_detail_at(float x, float y, float z);  Worley 32^3, mean 0.5
  * both tiling with period 1 and filtered trilinearly.
  *
- * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is covered
- * where q > 1 - c, and e = (q - 1 + c) / c is again uniform over the covered columns. Noise in three dimensions only
- * moves the boundary of a column that is covered already, so it cannot change coverage; the mean over e, height and
- * noise depends on the profile alone and is divided out (calibration.h). */
+ * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is
+ * covered where q > 1 - c, and e = (q - 1 + c) / c is again uniform over the covered columns. Noise in three dimensions
+ * only moves the boundary of a column that is covered already, so it cannot change coverage; the mean over e, height
+ * and noise depends on the profile alone and is divided out (calibration.h). */
 #ifndef VELUM_DENSITY_H
 #define VELUM_DENSITY_H
 
@@ -18,16 +18,17 @@
 /* How a kind of cloud fills its layer: a column of excess rank e is cloud at height fraction z where e > g(z) and what
  * lumps and fine detail carve off. */
 VELUM_STRUCT(velum_profile) {
-    float reach;        /* g at the top: share of covered columns that stay below the top */
-    float power;        /* of z in g: below 1 walls, above 1 domes */
-    float amplitude;    /* of the lumps, in e */
-    float softness;     /* of the boundary, in e */
-    float erosion;      /* of the boundary by fine detail, in e */
-    float foot;         /* share of the carving at the base: little leaves plates, all of it ragged feet */
-    float tuck;         /* g at the base: what lies near the rim begins higher up */
-    float stem;         /* g below the anvil, 0: none */
-    float growth;       /* of water with height: 0 constant, 1 adiabatic (linear) */
-    float base_soft_m;  /* the base is not a knife's edge */
+    float reach;       /* g at the top: share of covered columns that stay below the top */
+    float power;       /* of z in g: below 1 walls, above 1 domes */
+    float amplitude;   /* of the lumps, in e */
+    float softness;    /* of the boundary, in e */
+    float erosion;     /* of the boundary by fine detail, in e */
+    float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
+    float tuck;        /* g at the base: what lies near the rim begins higher up */
+    float stem;        /* g below the anvil, 0: none */
+    float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
+    float growth;      /* of water with height: 0 constant, 1 adiabatic (linear) */
+    float base_soft_m; /* the base is not a knife's edge */
     float coverage_scale, density_scale; /* calibration.h */
 };
 
@@ -36,7 +37,8 @@ VELUM_STRUCT(velum_slot_noise) {
     float shape_period_m;
     float lump_period_m;
     float fine_period_m;
-    float stretch; /* of all three along two axes of the noise: below 1 there are fibres across the third */
+    float stretch,
+        fine_stretch; /* of shape and fine detail along two axes: below 1 there are fibres across the third */
 };
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {
@@ -45,21 +47,23 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
     n.lump_period_m = 2100.0f;
     n.fine_period_m = 310.0f;
     n.stretch = 1.0f;
+    n.fine_stretch = 1.0f;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 15000.0f;
-        n.lump_period_m = 6000.0f;
-        n.fine_period_m = 1100.0f;
+        n.shape_period_m = 17000.0f;
+        n.lump_period_m = 3200.0f;
+        n.fine_period_m = 480.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 4200.0f;
-        n.lump_period_m = 2100.0f;
-        n.fine_period_m = 430.0f;
-        n.stretch = 0.22f;
+        n.shape_period_m = 5000.0f;
+        n.lump_period_m = 1000.0f;
+        n.fine_period_m = 600.0f;
+        n.stretch = 0.18f;
+        n.fine_stretch = 0.1f;
     }
     return n;
 }
@@ -74,6 +78,7 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
     p.foot = velum_mix(a.foot, b.foot, t);
     p.tuck = velum_mix(a.tuck, b.tuck, t);
     p.stem = velum_mix(a.stem, b.stem, t);
+    p.close = velum_mix(a.close, b.close, t);
     p.growth = velum_mix(a.growth, b.growth, t);
     p.base_soft_m = velum_mix(a.base_soft_m, b.base_soft_m, t);
     p.coverage_scale = 1.0f;
@@ -82,7 +87,7 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
 }
 
 VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplitude, float softness, float erosion,
-                                          float stem, float growth, float base_soft_m) {
+                                          float stem, float close, float growth, float base_soft_m) {
     velum_profile p;
     p.reach = reach;
     p.power = power;
@@ -92,6 +97,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     p.foot = 0.35f;
     p.tuck = 0.0f;
     p.stem = stem;
+    p.close = close;
     p.growth = growth;
     p.base_soft_m = base_soft_m;
     p.coverage_scale = 1.0f;
@@ -104,44 +110,45 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     velum_profile p;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         /* St: a sheet. Sc: lumps and rolls. */
-        p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.15f, 0.25f, 0.10f, 0.0f, 0.5f, 40.0f),
-                                velum_profile_make(0.88f, 2.4f, 0.40f, 0.12f, 0.22f, 0.0f, 0.7f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.12f, 0.30f, 0.06f, 0.0f, 0.6f, 0.5f, 60.0f),
+                                velum_profile_make(0.85f, 1.6f, 0.45f, 0.25f, 0.25f, 0.0f, 0.1f, 0.7f, 60.0f), kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        p = velum_profile_blend(velum_profile_make(0.88f, 3.0f, 0.60f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f),
-                                velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.8f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.88f, 3.0f, 0.60f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f),
+                                velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        p = velum_profile_make(0.80f, 5.0f, 0.70f, 0.06f, 0.20f, 0.40f, 0.4f, 40.0f);
+        p = velum_profile_make(0.80f, 10.0f, 0.45f, 0.06f, 0.30f, 0.50f, 0.0f, 0.4f, 60.0f);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
-            p = velum_profile_blend(velum_profile_make(0.35f, 3.0f, 0.25f, 0.40f, 0.05f, 0.0f, 0.2f, 80.0f),
-                                    velum_profile_make(0.25f, 4.0f, 0.20f, 0.25f, 0.05f, 0.0f, 0.3f, 80.0f),
+            p = velum_profile_blend(velum_profile_make(0.25f, 3.0f, 0.05f, 0.30f, 0.04f, 0.0f, 0.8f, 0.2f, 180.0f),
+                                    velum_profile_make(0.15f, 4.0f, 0.05f, 0.06f, 0.04f, 0.0f, 0.8f, 0.3f, 150.0f),
                                     2.0f * kind);
         } else {
-            p = velum_profile_blend(velum_profile_make(0.25f, 4.0f, 0.20f, 0.25f, 0.05f, 0.0f, 0.3f, 80.0f),
-                                    velum_profile_make(0.88f, 1.3f, 0.45f, 0.14f, 0.22f, 0.0f, 0.5f, 25.0f),
+            p = velum_profile_blend(velum_profile_make(0.15f, 4.0f, 0.05f, 0.06f, 0.04f, 0.0f, 0.8f, 0.3f, 150.0f),
+                                    velum_profile_make(0.88f, 1.3f, 0.45f, 0.14f, 0.22f, 0.0f, 0.0f, 0.5f, 25.0f),
                                     2.0f * kind - 1.0f);
         }
     } else {
         /* Cs: a veil; Ci: fibres; Cc: grains. */
         if (kind < 0.5f) {
-            p = velum_profile_blend(velum_profile_make(0.35f, 2.0f, 0.25f, 0.60f, 0.10f, 0.0f, 0.0f, 100.0f),
-                                    velum_profile_make(0.70f, 1.2f, 0.50f, 0.60f, 0.35f, 0.0f, 0.0f, 100.0f),
+            p = velum_profile_blend(velum_profile_make(0.25f, 2.0f, 0.02f, 0.60f, 0.15f, 0.0f, 0.5f, 0.0f, 300.0f),
+                                    velum_profile_make(0.60f, 1.2f, 0.10f, 0.70f, 0.60f, 0.0f, 0.0f, 0.0f, 300.0f),
                                     2.0f * kind);
         } else {
-            p = velum_profile_blend(velum_profile_make(0.70f, 1.2f, 0.50f, 0.60f, 0.35f, 0.0f, 0.0f, 100.0f),
-                                    velum_profile_make(0.85f, 1.2f, 0.55f, 0.30f, 0.08f, 0.0f, 0.0f, 40.0f),
+            p = velum_profile_blend(velum_profile_make(0.60f, 1.2f, 0.10f, 0.70f, 0.60f, 0.0f, 0.0f, 0.0f, 300.0f),
+                                    velum_profile_make(0.60f, 1.2f, 0.80f, 0.35f, 0.10f, 0.0f, 0.0f, 0.0f, 40.0f),
                                     2.0f * kind - 1.0f);
         }
     }
-    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : p.foot;
-    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : p.tuck;
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.8f : p.foot;
+    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : slot == VELUM_SLOT_STORM ? 0.1f : p.tuck;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
-    velum_calibration measured = velum_calibration_of(slot, kind, fields.coverage, thickness_m,
-                                                      fields.extinction_1_m * thickness_m);
+    velum_calibration measured =
+        velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
-    p.coverage_scale = measured.coverage;
+    float over = velum_clamp(4.0f * fields.coverage - 3.0f, 0.0f, 1.0f);
+    p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
     return p;
 }
@@ -199,5 +206,11 @@ VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_b
 #define VELUM_NOISE_CX 0.137801477f
 #define VELUM_NOISE_CY (-0.631523084f)
 #define VELUM_NOISE_CZ 0.763013334f
+
+/* What is stretched lies in planes across this axis (ECEF), which layers cut into fibres - but for where it is
+ * vertical: south of Japan and off Brazil. */
+#define VELUM_FIBRE_X (-0.734431195f)
+#define VELUM_FIBRE_Y 0.458923545f
+#define VELUM_FIBRE_Z 0.500000000f
 
 #endif

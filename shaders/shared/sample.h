@@ -85,9 +85,13 @@ VELUM_STRUCT(velum_noise_point) {
 VELUM_FN velum_noise_point velum_noise_place(float phase_x, float phase_y, float phase_z, float period_inv_1_m,
                                              float stretch, float rx, float ry, float rz) {
     velum_noise_point p;
-    p.x = phase_x + (VELUM_NOISE_AX * rx + VELUM_NOISE_AY * ry + VELUM_NOISE_AZ * rz) * stretch * period_inv_1_m;
-    p.y = phase_y + (VELUM_NOISE_BX * rx + VELUM_NOISE_BY * ry + VELUM_NOISE_BZ * rz) * stretch * period_inv_1_m;
-    p.z = phase_z + (VELUM_NOISE_CX * rx + VELUM_NOISE_CY * ry + VELUM_NOISE_CZ * rz) * period_inv_1_m;
+    float along = (1.0f - stretch) * (VELUM_FIBRE_X * rx + VELUM_FIBRE_Y * ry + VELUM_FIBRE_Z * rz);
+    float x = stretch * rx + along * VELUM_FIBRE_X;
+    float y = stretch * ry + along * VELUM_FIBRE_Y;
+    float z = stretch * rz + along * VELUM_FIBRE_Z;
+    p.x = phase_x + (VELUM_NOISE_AX * x + VELUM_NOISE_AY * y + VELUM_NOISE_AZ * z) * period_inv_1_m;
+    p.y = phase_y + (VELUM_NOISE_BX * x + VELUM_NOISE_BY * y + VELUM_NOISE_BZ * z) * period_inv_1_m;
+    p.z = phase_z + (VELUM_NOISE_CX * x + VELUM_NOISE_CY * y + VELUM_NOISE_CZ * z) * period_inv_1_m;
     return p;
 }
 

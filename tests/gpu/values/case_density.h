@@ -21,5 +21,5 @@ CASE(case_density) {
     OUT_FLOAT(1, velum_excess(profile, f.coverage, IN_FLOAT(7)));
     OUT_FLOAT(2, velum_threshold(profile, z));
     velum_slot_noise noise = velum_noise_of(slot);
-    OUT_FLOAT(3, noise.shape_period_m + noise.lump_period_m + noise.fine_period_m + noise.stretch);
+    OUT_FLOAT(3, noise.shape_period_m + noise.lump_period_m + noise.fine_period_m + noise.stretch + noise.fine_stretch);
 }

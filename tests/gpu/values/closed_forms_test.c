@@ -453,7 +453,7 @@ static void cloud_is_between_base_and_top(void **state) {
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         assert_true(cloudy[slot] > 100);
     }
-    velum_profile p = velum_profile_make(0.5f, 2.0f, 0.2f, 0.1f, 0.1f, 0.0f, 0.5f, 25.0f);
+    velum_profile p = velum_profile_make(0.5f, 2.0f, 0.2f, 0.1f, 0.1f, 0.0f, 0.0f, 0.5f, 25.0f);
     /* e is uniform over the covered columns: 0 at rank 1 - c, 1 at rank 1. */
     near(velum_excess(p, 0.25f, 0.75f), 0.0, 1e-6);
     near(velum_excess(p, 0.25f, 1.0f), 1.0, 1e-6);
