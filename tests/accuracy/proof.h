@@ -14,7 +14,7 @@ typedef struct proof {
     const char *shared; /* has accuracy/slab_*.csv */
     double error;       /* relative standard error at which a figure is measured well enough... */
     double seconds;     /* ... or it has taken so long */
-    int first, last;    /* rows of tables, from 1 */
+    int first, last;    /* rows of tables, and cases of the furnace, from 1 */
     uint32_t suns;      /* of one round of the furnace */
     slab_rig rig;
     uint32_t failures, skipped;
