@@ -121,6 +121,8 @@ const float turns = 0.105; /* 3/2 (1 - g), and less for uneven cloud, which leak
 const float lit_share = 0.72; /* of the depth along the sun: of its face's */
 const float deep_share = 0.68;
 const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
+const float storm_share = 0.85; /* the same of storms, whose walls are the most that they are... */
+const float storm_walls = 0.8;  /* ... and most of what their flanks see */
 const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
 const float widened_share = 0.55, widened_loss = 0.21;
 
@@ -147,6 +149,7 @@ ways_out ways_out_of(cloud_hit hit) {
 /* Per unit of scattering; `depth`: towards the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
     float whole = ways.up + ways.down + depth;
+    bool storm = hit.slot == VELUM_SLOT_STORM;
     float up = 1.0 / (1.0 + turns * ways.up);
     float down = 1.0 / (1.0 + turns * ways.down);
     float flank = 1.0 / (1.0 + turns * ways.flank);
@@ -157,13 +160,15 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
     /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps turn faces to a low sun. */
-    float face = max(mu_sun, 0.5);
+    float wall = storm ? storm_share * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
+    float face = max(mu_sun, max(wall, 0.5));
     float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float dark = down + max(flank - lit, 0.0);
     float diffuse = lit / (lit + dark) * (1.0 - exp(-0.10 * whole)) * max(1.0 + limb * hit.rise * (down - up), 0.0);
     vec3 above = ambient_over(hit.fields.top_m);
     vec3 below = ambient_under(hit.fields.base_m);
-    vec3 beside = mix(0.5 * (above + below), wall_share * deep * sun, hit.fields.coverage);
+    float walls = storm ? max(hit.fields.coverage, storm_walls) : hit.fields.coverage;
+    vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
     return sun * (first + widened + deep * diffuse) +
            (above * up + below * down + beside * flank) / (up + down + flank);
 }
