@@ -42,6 +42,9 @@ const float outside_branching = 0.2;
  * what is drawn for wide lobes thins out the flights of all directions, and on a long way through a deep layer they
  * would die out, or multiply, by chance. */
 const int last_wide = 12;
+/* 1 - cos of the angle from the sun beyond which late flights are not drawn: a narrow lobe's far tail does the same over
+ * a thousand orders. */
+const float late_cone = 0.0025;
 /* Bounds of air are raised for rays that must meet it in many places (the pixel's), or in some (to the sun). */
 const float view_air = 10.0;
 const float sun_air = 3.0;
@@ -397,13 +400,19 @@ void main() {
             for (int branch = rate > 0.0 && next ? 0 : 1; branch < 1; ++branch) {
                 float given = on_ground ? max(dot(normal, next_d), 0.0) / PI
                                         : velum_phase_lobes_turn(lobes, turn_between(d, next_d));
-                float lobe = velum_phase_lobes_turn(sunward, turn_between(next_d, eye.sun.xyz));
+                float cone = early ? 3.0 : late_cone;
+                float aside = turn_between(next_d, eye.sun.xyz);
+                float lobe = aside < cone ? velum_phase_lobes_turn(sunward, aside) : 0.0;
                 /* Where no more can wait one of the two is drawn. */
                 float either = waiting == VELUM_REFERENCE_FLIGHTS ? 1.0 + rate : 1.0;
                 vec3 whole = next_weight * either;
                 next_weight = whole * (given / (given + rate * lobe));
-                if (draw() * either < rate) {
-                    vec3 to = turned(eye.sun.xyz, velum_phase_lobes_draw(sunward), draw());
+                bool second = draw() * either < rate;
+                aside = second ? velum_phase_lobes_draw(sunward) : 0.0;
+                if (second && aside >= cone) {
+                    next = next && waiting < VELUM_REFERENCE_FLIGHTS;
+                } else if (second) {
+                    vec3 to = turned(eye.sun.xyz, aside, draw());
                     given = on_ground ? max(dot(normal, to), 0.0) / PI : velum_phase_lobes_turn(lobes, turn_between(d, to));
                     lobe = velum_phase_lobes_turn(sunward, turn_between(to, eye.sun.xyz));
                     velum_reference_flight first;
