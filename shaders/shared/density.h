@@ -37,8 +37,8 @@ VELUM_STRUCT(velum_slot_noise) {
     float shape_period_m;
     float lump_period_m;
     float fine_period_m;
-    float stretch,
-        fine_stretch; /* of shape and fine detail along two axes: below 1 there are fibres across the third */
+    float stretch;      /* of the shape across VELUM_FIBRE: below 1 there are fibres */
+    float fine_stretch; /* the same of fine detail */
 };
 
 VELUM_FN velum_slot_noise velum_noise_of(int slot) {

@@ -413,6 +413,16 @@ static void noise_is_turned_not_bent(void **state) {
     near(p.x, 0.25, 0.0);
     p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 1.0f, 600.0f, 0.0f, 800.0f);
     near(sqrt((double)p.x * (double)p.x + (double)p.y * (double)p.y + (double)p.z * (double)p.z), 1.0, 1e-6);
+    /* Stretched: as long as ever along the axis of the planes, drawn out in them. */
+    const float axis[3] = {VELUM_FIBRE_X, VELUM_FIBRE_Y, VELUM_FIBRE_Z};
+    near((double)(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]), 1.0, 1e-6);
+    const float across[3] = {axis[1] / hypotf(axis[0], axis[1]), -axis[0] / hypotf(axis[0], axis[1]), 0.0f};
+    for (int i = 0; i < 2; i++) {
+        const float *d = i == 0 ? axis : across;
+        p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 0.2f, 1e3f * d[0], 1e3f * d[1], 1e3f * d[2]);
+        near(sqrt((double)p.x * (double)p.x + (double)p.y * (double)p.y + (double)p.z * (double)p.z),
+             i == 0 ? 1.0 : 0.2, 1e-6);
+    }
 }
 
 static void cloud_is_between_base_and_top(void **state) {
