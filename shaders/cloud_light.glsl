@@ -195,11 +195,8 @@ vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inou
         float over = f.extinction_1_m * max(f.top_m - h, 0.0);
         float under = f.extinction_1_m * max(h - f.base_m, 0.0);
         vec2 sky = scattered_sky(which, over, under, -hit.rise);
-        float first = velum_phase_hg(phases.cos_sun, g);
-        for (int once = straight > 0.1 ? 0 : 1; once < 1; ++once) {
-            first = velum_scattering_first(phases.cos_sun, g, straight / max(albedo, 1e-6),
-                                           straight * over / max(mu_sun, 1e-3));
-        }
+        float first = velum_scattering_first(phases.cos_sun, g, straight / max(albedo, 1e-6),
+                                             straight * over / max(mu_sun, 1e-3));
         float later = scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun);
         source += 0.5 * (sun * (albedo * light.direct * first + later) + above * sky.x + below * sky.y);
     }

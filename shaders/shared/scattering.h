@@ -81,28 +81,24 @@ VELUM_FN float velum_scattering_peak(velum_phase_lobes p) {
     return mean > 0.0f ? VELUM_MAX(velum_phase_lobes_moment(p, VELUM_SCATTERING_MOMENTS), 0.0f) : 0.0f;
 }
 
-/* Orders of the peak that are told apart. */
-#define VELUM_SCATTERING_PEAK_ORDERS 10
-
 /* Henyey and Greenstein's function for sunlight that has gone straight on `straight` times on the mean before, which
  * the peak takes for nothing: who has done so k times scatters by the function's own k + 1st convolution, which is
  * Henyey and Greenstein's again, of g^(k + 1) (Riley et al. 2004), or by what the peak leaves. */
 VELUM_FN float velum_scattering_first(float cos_sun, float g, float peak, float straight) {
     float wide = (1.0f - peak) * velum_phase_hg(cos_sun, (g - peak) / VELUM_MAX(1.0f - peak, 1.0e-6f));
-    float share = VELUM_EXP(-straight);
-    float sum = wide + share * (velum_phase_hg(cos_sun, g) - wide);
-    float rest = 1.0f - share;
-    float power = g;
-    int orders = peak > 0.001f ? VELUM_SCATTERING_PEAK_ORDERS : 0;
-    for (int k = 1; k < orders; ++k) {
-        share *= straight / VELUM_TO_FLOAT(k);
-        power *= g;
-        sum += peak * share * velum_phase_hg(cos_sun, power);
-        rest -= share;
-    }
-    /* All others as one. */
-    power = VELUM_POW(VELUM_MAX(g, 0.0f), VELUM_MAX(VELUM_TO_FLOAT(orders), straight) + 1.0f);
-    return sum + peak * VELUM_MAX(rest, 0.0f) * velum_phase_hg(cos_sun, power);
+    /* No loop: software devices count their rounds over all of a ray. */
+    float none = VELUM_EXP(-straight);
+    float one = none * straight;
+    float two = one * straight * 0.5f;
+    float three = two * straight * (1.0f / 3.0f);
+    float g2 = g * g;
+    float few = one * velum_phase_hg(cos_sun, g2) + two * velum_phase_hg(cos_sun, g2 * g) +
+                three * velum_phase_hg(cos_sun, g2 * g2);
+    /* All others as one, of their mean order. */
+    float rest = VELUM_MAX(1.0f - none - one - two - three, 0.0f);
+    float order = VELUM_MAX((straight - one - 2.0f * two - 3.0f * three) / VELUM_MAX(rest, 1.0e-6f), 4.0f) + 1.0f;
+    few = few + rest * velum_phase_hg(cos_sun, VELUM_POW(VELUM_MAX(g, 0.0f), order));
+    return wide + none * (velum_phase_hg(cos_sun, g) - wide) + peak * few;
 }
 
 #endif
