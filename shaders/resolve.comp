@@ -132,21 +132,6 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     return result;
 }
 
-/* What a pixel shows at rest: until it has been sampled at all four shares of a step, it keeps within what its
- * neighbours have had, each of which began with another share (march.comp). */
-vec4 shown_of(ivec2 pixel, cloud_pixel cloud) {
-    bool few = view.scale.w == 0.0 && view.march_size.w != 0u && cloud.samples < 4.0;
-    vec4 low = vec4(1e9);
-    vec4 high = vec4(0.0);
-    for (int k = few ? 0 : 4; k < 4; ++k) {
-        ivec2 other = pixel + ivec2(k < 2 ? 2 * k - 1 : 0, k < 2 ? 0 : 2 * k - 5);
-        vec4 there = texelFetch(history_in, clamp(other, ivec2(0), ivec2(view.size.xy) - 1), 0);
-        low = min(low, there);
-        high = max(high, there);
-    }
-    return few ? clamp(cloud.light, low, high) : cloud.light;
-}
-
 /* Height and cosine of the zenith angle so far along a ray that starts at height h0 with cosine mu0, on a sphere: for
  * air, which does not mind the metres by which the ellipsoid differs. */
 vec2 along_ray(float h0, float mu0, float distance_m) {
@@ -183,9 +168,8 @@ void main() {
     float ground = ground_distance(ray.origin, ray.direction);
     hit = host ? hit : ground;
     bool solid = hit >= 0.0;
-    vec4 seen = shown_of(pixel, cloud);
-    float through = seen.a;
-    vec3 light = seen.rgb * VELUM_LUMINANCE_UNIT;
+    float through = cloud.light.a;
+    vec3 light = cloud.light.rgb * VELUM_LUMINANCE_UNIT;
     vec3 transmittance = vec3(through);
 
     if (eye.ground.w != 0.0) {

@@ -220,49 +220,6 @@ static void no_line_in_cloud(void **state) {
     fixture_finish(&f);
 }
 
-/* After one ray a pixel what differs from the settled picture is no pattern of dots: without a look at neighbours it
- * changes by 0.0122 from pixel to pixel. */
-static void first_rays_leave_no_dots(void **state) {
-    (void)state;
-    fixture f;
-    fixture_init(&f, false);
-    velum_layer layer = fixture_cumulus();
-    layer.genus = VELUM_GENUS_SC;
-    layer.coverage = 0.75f;
-    layer.base_m = 900.0f;
-    layer.top_m = 1500.0f;
-    fixture_commit(&f, &layer, 1);
-    double east[3], north[3], up[3], position[3], ahead[3], right[3];
-    fixture_axes(50.0, 8.5, east, north, up);
-    fixture_position(50.0, 8.5, 150.0, position);
-    picture *p = calloc(2, sizeof *p);
-    assert_non_null(p);
-    double rough = 0.0, whole = 0.0;
-    for (int look = 0; look < 4; look++) {
-        for (int i = 0; i < 3; i++) {
-            const double level = look % 2 == 0 ? east[i] : north[i], side = look % 2 == 0 ? -north[i] : east[i];
-            ahead[i] = (look < 2 ? 0.8 : -0.8) * level + 0.6 * up[i];
-            right[i] = look < 2 ? side : -side;
-        }
-        one_picture(&f, position, ahead, right, up, 0.7f, 16, &p[0]);
-        one_picture(&f, position, ahead, right, up, 0.7f, 128, &p[1]);
-        for (int i = 1; i + 1 < PIXELS; i++) {
-            double off[3];
-            for (int k = 0; k < 3; k++) {
-                const int at = 3 * (i + k - 1);
-                off[k] = (double)p[0].transmittance[at] - (double)p[1].transmittance[at];
-            }
-            rough += fabs(off[1] - 0.5 * (off[0] + off[2]));
-            whole += fabs(off[1]);
-        }
-    }
-    print_message("one ray a pixel: off by %.5f, from pixel to pixel by %.5f\n", whole / (4 * PIXELS),
-                  rough / (4 * PIXELS));
-    assert_true(rough < 0.011 * 4 * PIXELS);
-    free(p);
-    fixture_finish(&f);
-}
-
 static void wind_builds_no_tiles(void **state) {
     (void)state;
     fixture f;
@@ -442,7 +399,6 @@ int main(void) {
                                        cmocka_unit_test(the_same_twice_in_two_worlds),
                                        cmocka_unit_test(no_seam_in_a_uniform_slab),
                                        cmocka_unit_test(no_line_in_cloud),
-                                       cmocka_unit_test(first_rays_leave_no_dots),
                                        cmocka_unit_test(wind_builds_no_tiles),
                                        cmocka_unit_test(equal_states_share_pages),
                                        cmocka_unit_test(flight_stays_whole),
