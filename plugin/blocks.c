@@ -100,7 +100,6 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         float *bounds = out->slots[slot].bounds;
         bounds[2] = velum_noise_of((int)slot).stretch;
-        out->slots[slot].optics[3] = velum_noise_of((int)slot).fine_stretch;
         if (mask & (1u << slot)) {
             bounds[0] = t->base_m[slot];
             bounds[1] = t->top_m[slot];
@@ -124,6 +123,7 @@ static void fill_optics(const engine *e, velum_eye_block *out) {
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         float *optics = out->slots[slot].optics;
         optics[0] = 1.0f;
+        optics[3] = velum_noise_of((int)slot).fine_stretch;
         if (slot >= VELUM_SLOT_UNIFORM) {
             core_uniform_phase phase = blocks_uniform_phase(e, slot);
             optics[0] = phase.albedo;

@@ -41,7 +41,7 @@ VELUM_FN velum_calibration velum_calibration_from(velum_calibration_row r, float
                                                   float optical_depth) {
     float share = VELUM_SQRT(VELUM_MIN(0.1f, 0.5f / VELUM_MAX(optical_depth, 1.0e-3f)));
     float octaves = velum_clamp(VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / r.thickness_m), -2.0f, 1.5f);
-    float t = velum_clamp(4.0f * coverage - 3.0f, 0.0f, 1.0f);
+    float t = velum_overcast(coverage);
     velum_calibration c;
     c.coverage = (r.s0 + r.s_share * share + r.s_octave * octaves) * (1.0f + t * (r.s_over_1 + t * r.s_over_2));
     c.density = (r.w0 + r.w_octave * octaves) * (1.0f + t * (r.w_over_1 + t * r.w_over_2)) / c.coverage;

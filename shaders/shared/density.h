@@ -147,7 +147,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
-    float over = velum_clamp(4.0f * fields.coverage - 3.0f, 0.0f, 1.0f);
+    float over = velum_overcast(fields.coverage);
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
     return p;

@@ -56,6 +56,11 @@ VELUM_FN float velum_texel_from_wind(float wind_m_s) {
     return velum_clamp(VELUM_TEXEL_WIND_ZERO + wind_m_s / (2.0f * VELUM_TEXEL_WIND_RANGE_M_S), 0.0f, 1.0f);
 }
 
+/* How near to overcast: 0 up to 3/4 cover, 1 at all of it. */
+VELUM_FN float velum_overcast(float coverage) {
+    return velum_clamp(4.0f * coverage - 3.0f, 0.0f, 1.0f);
+}
+
 /* The fields of one slot at one place. */
 VELUM_STRUCT(velum_slot_fields) {
     float coverage;

@@ -175,7 +175,7 @@ static const char head[] =
     "                                                  float optical_depth) {\n"
     "    float share = VELUM_SQRT(VELUM_MIN(0.1f, 0.5f / VELUM_MAX(optical_depth, 1.0e-3f)));\n"
     "    float octaves = velum_clamp(VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / r.thickness_m), -2.0f, 1.5f);\n"
-    "    float t = velum_clamp(4.0f * coverage - 3.0f, 0.0f, 1.0f);\n"
+    "    float t = velum_overcast(coverage);\n"
     "    velum_calibration c;\n"
     "    c.coverage = (r.s0 + r.s_share * share + r.s_octave * octaves) * (1.0f + t * (r.s_over_1 + t * r.s_over_2));\n"
     "    c.density = (r.w0 + r.w_octave * octaves) * (1.0f + t * (r.w_over_1 + t * r.w_over_2)) / c.coverage;\n"

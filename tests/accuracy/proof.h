@@ -37,6 +37,8 @@ bool proof_meets(double found, double error, double expected);
 void proof_tell_chi2(proof *p, const char *what, int count, double chi2);
 /* A file of --shared's accuracy folder, to be closed; skips the part without it. */
 FILE *proof_table(proof *p, const char *name);
+/* Whether a row of a table, or a case of the furnace, was asked for. */
+bool proof_wants(const proof *p, int row);
 double proof_now_s(void);
 
 /* pi I / (mu0 F0) of the rig's slab, until it is known well enough. */

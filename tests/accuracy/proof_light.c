@@ -50,40 +50,40 @@ static void furnace(proof *p, const char *name, double pitch, double bound) {
     velum_view_frame camera = fixture_camera(position, ahead, right, 0.3f, 0.3f);
     camera.flags = VELUM_VIEW_GROUND;
     uint64_t random = 1;
+    proof_mean m = {0};
     double start_s = proof_now_s();
-    double sum = 0.0, squares = 0.0, told = 0.0, found, error;
+    double squares = 0.0, found, error;
     uint32_t rounds = 0;
     do {
         double own_error;
         double own = furnace_round(p, position, &camera, 4, &random, &own_error) - 1.0;
         rounds++;
-        sum += own;
+        proof_add(&m, own, own_error, 1.0);
         squares += own * own;
-        told += own_error * own_error;
-        found = sum / rounds;
+        found = proof_value(&m);
         error = rounds < 2 ? INFINITY : sqrt(fmax(squares / rounds - found * found, 0.0) / (rounds - 1));
     } while ((rounds < 16 || error > 0.4 * bound) && proof_now_s() - start_s < 20.0 * p->seconds);
     proof_tell(p, fabs(found) <= bound && error <= 0.5 * bound,
                "white furnace, %s, %u rounds of %u suns: %.5f +- %.5f (by the pixels' variance %.5f), 1 within %g %% "
                "known to %g %%",
-               name, rounds, p->suns, 1.0 + found, error, sqrt(told) / rounds, 100.0 * bound, 50.0 * bound);
+               name, rounds, p->suns, 1.0 + found, error, proof_error(&m), 100.0 * bound, 50.0 * bound);
 }
 
 void proof_furnace(void **state) {
     proof *p = *state;
     slab_rig_init(&p->rig);
     slab_case c = {.albedo = 1.0, .g = 0.0, .tau = 4.0};
-    if (p->first <= 1 && p->last >= 1) {
+    if (proof_wants(p, 1)) {
         slab_rig_layer(&p->rig, &c, PROOF_SLAB_M);
         furnace(p, "slab of tau 4, isotropic", -0.5 * PROOF_PI, 0.001);
     }
-    if (p->first <= 2 && p->last >= 2) {
+    if (proof_wants(p, 2)) {
         c.g = 0.85;
         slab_rig_layer(&p->rig, &c, PROOF_SLAB_M);
         furnace(p, "slab of tau 4, g 0.85", -0.5 * PROOF_PI, 0.001);
     }
     /* Droplets turn most light by a degree: a single sun is rarely met, and noise is what bounds this one. */
-    if (p->first <= 3 && p->last >= 3) {
+    if (proof_wants(p, 3)) {
         const velum_layer cloud = fixture_cumulus();
         fixture_commit(&p->rig.f, &cloud, 1);
         furnace(p, "cumulus", -0.6, 0.02);

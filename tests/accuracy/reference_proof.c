@@ -12,6 +12,10 @@
 
 enum { PATHS_LEAST = 64, PATHS_MOST = 1024 };
 
+bool proof_wants(const proof *p, int row) {
+    return row >= p->first && row <= p->last;
+}
+
 double proof_now_s(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -89,7 +93,7 @@ static void meets_radiances(void **state) {
     while (fgets(line, sizeof line, file)) {
         slab_case c;
         /* Straight up and straight down have no azimuth: one row is enough. */
-        if (!slab_case_parse(line, &c) || (c.mu > 0.999 && c.phi_deg > 0.0) || ++row < p->first || row > p->last) {
+        if (!slab_case_parse(line, &c) || (c.mu > 0.999 && c.phi_deg > 0.0) || !proof_wants(p, ++row)) {
             continue;
         }
         proof_mean m;
