@@ -288,14 +288,18 @@ static float (*texel(float out[CORE_SCATTERING_TEXELS][4], int above, int below,
 }
 
 static void write_suns(const solver *s, int above, int below, int o, float out[CORE_SCATTERING_TEXELS][4]) {
-    double own[N][4];
+    const float depth = exp2f((float)(VELUM_SCATTERING_DEPTH_LOW + above));
+    double own[N][4] = {{0.0}};
     for (int i = 0; i < N; i++) {
-        for (int c = 0; c < 4; c++) {
-            double sum = 0.0;
-            for (int k = 0; k < AZIMUTHS; k++) {
-                sum += log2(fmax(s->sun[above][below][i][o][k], least)) * s->cosine[c][k];
+        const double sines = sqrt((1.0 - s->mus[o] * s->mus[o]) * (1.0 - s->mu[i] * s->mu[i]));
+        const float turning = velum_scattering_turning(depth, (float)s->mu[i], (float)s->scale);
+        for (int k = 0; k < AZIMUTHS; k++) {
+            const double cos_sun = sines * s->cosine[1][k] - s->mus[o] * s->mu[i];
+            const double shape = (double)velum_scattering_shape((float)cos_sun, (float)s->moment[1], turning);
+            const double value = log2(fmax(s->sun[above][below][i][o][k], least) / shape);
+            for (int c = 0; c < 4; c++) {
+                own[i][c] += value * s->cosine[c][k] * (c == 0 ? 1.0 : 2.0) / AZIMUTHS;
             }
-            own[i][c] = sum * (c == 0 ? 1.0 : 2.0) / AZIMUTHS;
         }
     }
     for (int sun = 0; sun < SUNS; sun++) {

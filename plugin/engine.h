@@ -108,7 +108,8 @@ typedef struct frame_slot {
 
 /* What a table of multiple scattering is for. */
 typedef struct scattering_key {
-    float albedo, hg_asymmetry;
+    float albedo;
+    velum_phase_lobes phase;
     bool filled; /* false: nothing yet */
 } scattering_key;
 
@@ -146,9 +147,9 @@ struct engine {
     uint64_t noise_serial;                                  /* of the frame that sends it */
     bool filled;                                            /* noise and white are on the device */
     scattering_key scattering_key[VELUM_SCATTERING_TABLES]; /* what is there of them */
-    bool air_ready; /* the tables of air and glow */
-    shadow *newest_shadow;  /* drawn last */
-    shadow *bound_shadow;   /* that this frame's views see; null: none */
+    bool air_ready;                                         /* the tables of air and glow */
+    shadow *newest_shadow;                                  /* drawn last */
+    shadow *bound_shadow;                                   /* that this frame's views see; null: none */
     gpu_buffer noise_slope; /* of the reference (shared/reference.h), once an eye wants it */
     float detail_slope;
 

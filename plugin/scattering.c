@@ -1,4 +1,4 @@
-/* The tables of multiple scattering: of the uniform layers that the weather has. */
+/* The tables of multiple scattering: of the uniform layers that the weather has, and of cloud that closes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,12 +26,11 @@ static uint16_t half_of(float x) {
     return (uint16_t)(rounded < 0x38800000u ? sign : sign | (rounded - 0x38000000u) >> 13);
 }
 
-static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which, core_uniform_phase phase) {
+static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which, const scattering_key *key) {
     float(*texels)[4] = malloc(CORE_SCATTERING_TEXELS * sizeof *texels);
     VkDeviceSize offset = 0;
     uint16_t *staged = stage_take(&e->now->staged, CORE_SCATTERING_TEXELS * 4 * sizeof *staged, &offset);
-    const velum_phase_lobes lobes = velum_phase_lobes_make(phase.hg_asymmetry, 0.0f, 0.0f, 0.0f);
-    bool ok = texels && staged && core_scattering_table(lobes, phase.albedo, texels);
+    bool ok = texels && staged && core_scattering_table(key->phase, key->albedo, texels);
     for (size_t i = 0; ok && i < CORE_SCATTERING_TEXELS * 4; i++) {
         staged[i] = half_of(texels[i / 4][i % 4]);
     }
@@ -47,6 +46,30 @@ static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which, core
     return ok;
 }
 
+/* What table `which` has to be for, of weather in these slots. False: nothing reads it. */
+static bool wanted(const engine *e, uint32_t which, uint32_t slots, scattering_key *out) {
+    const uint32_t ice = 1u << VELUM_SLOT_HIGH;
+    const uint32_t water = 1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_MIDDLE;
+    uint32_t readers = which == VELUM_SCATTERING_ICE ? ice : water;
+    out->filled = true;
+    out->albedo = 1.0f;
+    out->phase = velum_phase_lobes_cloud(which == VELUM_SCATTERING_ICE);
+    if (which < VELUM_SCATTERING_WATER) {
+        const uint32_t slot = VELUM_SLOT_UNIFORM + which;
+        const core_uniform_phase phase = blocks_uniform_phase(e, slot);
+        readers = 1u << slot;
+        out->albedo = phase.albedo;
+        out->phase = velum_phase_lobes_make(phase.hg_asymmetry, 0.0f, 0.0f, 0.0f);
+    }
+    return (slots & readers) != 0;
+}
+
+static bool alike(const scattering_key *a, const scattering_key *b) {
+    return a->filled && b->filled && a->albedo == b->albedo && a->phase.g_first == b->phase.g_first &&
+           a->phase.g_second == b->phase.g_second && a->phase.alpha_second == b->phase.alpha_second &&
+           a->phase.weight_second == b->phase.weight_second;
+}
+
 velum_result scattering_record(engine *e, VkCommandBuffer commands) {
     uint32_t slots = 0;
     for (int i = 0; i < 2; i++) {
@@ -55,19 +78,18 @@ velum_result scattering_record(engine *e, VkCommandBuffer commands) {
     gpu_image_make_general(&e->g, commands, &e->scattering);
     for (uint32_t i = 0; i < VELUM_SCATTERING_TABLES; i++) {
         scattering_key *known = &e->scattering_key[i];
-        const core_uniform_phase phase = blocks_uniform_phase(e, VELUM_SLOT_UNIFORM + i);
-        if (!(slots & (1u << (VELUM_SLOT_UNIFORM + i))) ||
-            (known->filled && known->albedo == phase.albedo && known->hg_asymmetry == phase.hg_asymmetry)) {
+        scattering_key key;
+        if (!wanted(e, i, slots, &key) || alike(known, &key)) {
             continue;
         }
         gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
         known->filled = false;
-        if (!copy_table(e, commands, i, phase)) {
+        if (!copy_table(e, commands, i, &key)) {
             return log_fail(&e->sink, VELUM_ERROR_OUT_OF_MEMORY, "engine",
                             "record_shared: no memory for the tables of scattering");
         }
-        *known = (scattering_key){.albedo = phase.albedo, .hg_asymmetry = phase.hg_asymmetry, .filled = true};
+        *known = key;
         gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     }

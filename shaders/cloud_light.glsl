@@ -14,6 +14,8 @@ struct ray_phases {
     float water, ice; /* first order */
     float widened;    /* orders that keep near the forward peak */
     float cos_sun;
+    float peak_water, peak_ice; /* velum_scattering_peak */
+    scattering_rest rest_water, rest_ice;
 };
 
 ray_phases ray_phases_of(float cos_sun) {
@@ -22,6 +24,12 @@ ray_phases ray_phases_of(float cos_sun) {
     phases.water = velum_phase_cloud(cos_sun, false);
     phases.ice = velum_phase_cloud(cos_sun, true);
     phases.widened = velum_phase_hg(cos_sun, 0.55);
+    velum_phase_lobes water = velum_phase_lobes_cloud(false);
+    velum_phase_lobes ice = velum_phase_lobes_cloud(true);
+    phases.peak_water = velum_scattering_peak(water);
+    phases.peak_ice = velum_scattering_peak(ice);
+    phases.rest_water = scattering_rest_of(velum_phase_lobes_moment(water, 1), phases.peak_water, 1.0);
+    phases.rest_ice = scattering_rest_of(velum_phase_lobes_moment(ice, 1), phases.peak_ice, 1.0);
     return phases;
 }
 
@@ -124,6 +132,7 @@ const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
 const float storm_share = 0.85; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
 const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
+const float closed_from = 0.1, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float widened_share = 0.55, widened_loss = 0.21;
 
 struct ways_out {
@@ -186,6 +195,8 @@ vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inou
     vec3 above = ambient_over(f.top_m);
     vec3 below = ambient_under(f.base_m);
     float straight = 1.0 - eye.slots[hit.slot].optics.z; /* of what meets a drop */
+    float peak = straight / max(albedo, 1e-6);
+    scattering_rest rest = scattering_rest_of(g, peak, albedo);
     vec3 source = vec3(0.0);
     /* Two points of Gauss and Legendre over the light that the step takes. */
     for (int i = 0; i < 2; ++i) {
@@ -195,14 +206,40 @@ vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inou
         float over = f.extinction_1_m * max(f.top_m - h, 0.0);
         float under = f.extinction_1_m * max(h - f.base_m, 0.0);
         vec2 sky = scattered_sky(which, over, under, -hit.rise);
-        float first = velum_scattering_first(phases.cos_sun, g, straight / max(albedo, 1e-6),
+        float first = velum_scattering_first(phases.cos_sun, g, peak,
                                              straight * over / max(mu_sun, 1e-3));
-        float later = scattered_sun(which, over, under, mu_sun, -hit.rise, phases.cos_sun);
+        float later = scattered_sun(which, rest, over, under, mu_sun, -hit.rise, phases.cos_sun);
         source += 0.5 * (sun * (albedo * light.direct * first + later) + above * sky.x + below * sky.y);
     }
     float seen_m = mix(span.from_m, span.to_m, light.place);
     place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
     return source;
+}
+
+/* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its
+ * lumps. */
+float closed_share(cloud_hit hit) {
+    float over = velum_overcast(hit.fields.coverage);
+    return over * over * clamp((hit.profile.close - closed_from) / (closed_at - closed_from), 0.0, 1.0);
+}
+
+/* The same for cloud that has closed: by the tables of droplets or ice. */
+vec3 closed_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
+    bool ice = hit.slot == VELUM_SLOT_HIGH;
+    int which = ice ? VELUM_SCATTERING_ICE : VELUM_SCATTERING_WATER;
+    velum_phase_lobes lobes = velum_phase_lobes_cloud(ice);
+    float straight = ice ? phases.peak_ice : phases.peak_water;
+    scattering_rest rest = ice ? phases.rest_ice : phases.rest_water;
+    /* All of the peak is the first lobe's. */
+    float narrow = velum_scattering_first(phases.cos_sun, lobes.g_first, straight / (1.0 - lobes.weight_second),
+                                          straight * depth);
+    float wide = velum_phase_draine(phases.cos_sun, lobes.g_second, lobes.alpha_second);
+    float first = mix(narrow, wide, lobes.weight_second) * exp(-rest.scale * depth);
+    float whole = ways.up + ways.down;
+    float over = min(depth * max(mu_sun, 0.0), whole);
+    float later = scattered_sun(which, rest, over, whole - over, mu_sun, -hit.rise, phases.cos_sun);
+    vec2 sky = scattered_sky(which, ways.up, ways.down, -hit.rise);
+    return sun * (first + later) + ambient_over(hit.fields.top_m) * sky.x + ambient_under(hit.fields.base_m) * sky.y;
 }
 
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
@@ -214,6 +251,10 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
                           sun_depth(hit, mu_sun, steps, start));
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
+    float closed = closed_share(hit);
+    for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
+        source = mix(source, closed_source(hit, phases, ways, sun, mu_sun, depth), closed);
+    }
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
         source = sheet_source(hit, phases, sun, mu_sun, place_m);

@@ -15,10 +15,19 @@ vec4 scattering_texel(int which, float above, float below, float slice) {
     return textureLod(scattering_table, (node + 0.5) / size, 0.0);
 }
 
+/* Of what a table is for: mean cosine that its peak leaves, and share of extinction that is not that peak. */
+struct scattering_rest {
+    float g, scale;
+};
+
+scattering_rest scattering_rest_of(float mean_cosine, float peak, float albedo) {
+    return scattering_rest(velum_scattering_rest(mean_cosine, peak), 1.0 - albedo * peak);
+}
+
 /* Source function by all orders but the first, for a sun of illuminance 1: optical depths out of the layer towards the
  * side of its normal and away from it; cosines of that normal with the sun and with the way of the light, and of the
  * angle by which light turns. */
-float scattered_sun(int which, float above, float below, float mu_sun, float mu, float cos_sun) {
+float scattered_sun(int which, scattering_rest rest, float above, float below, float mu_sun, float mu, float cos_sun) {
     bool turned = mu_sun < 0.0;
     float lit = turned ? below : above;
     float dark = turned ? above : below;
@@ -30,7 +39,8 @@ float scattered_sun(int which, float above, float below, float mu_sun, float mu,
     vec4 c = mix(scattering_texel(which, lit, dark, slice),
                  scattering_texel(which, lit, dark, slice + float(VELUM_SCATTERING_MUS)), sun - low);
     float azimuth = velum_scattering_azimuth(towards, height, cos_sun);
-    return velum_scattering_value(c.x, c.y, c.z, c.w, azimuth) * velum_scattering_thin(above + below);
+    float shape = velum_scattering_shape(cos_sun, rest.g, velum_scattering_turning(lit, height, rest.scale));
+    return velum_scattering_value(c.x, c.y, c.z, c.w, azimuth) * shape * velum_scattering_thin(above + below);
 }
 
 /* The same by all orders of even light from beyond the side of the normal (x), and from beyond the other (y). */

@@ -2,7 +2,8 @@
  * a metre adds, over its extinction) at a depth below one face and above the other, by all orders but the first from
  * the sun, and by all orders from an even sky. It is made for each phase function by adding and doubling
  * (core/scattering_table.h). What it holds are binary logarithms, so that thin and thick, bright and dark are
- * interpolated alike: c0 + c1 cos(phi) + c2 cos(2 phi) + c3 cos(3 phi) about the sun's azimuth. */
+ * interpolated alike: c0 + c1 cos(phi) + c2 cos(2 phi) + c3 cos(3 phi) about the sun's azimuth; of the sun's light over
+ * velum_scattering_shape, which has the forward peak that nodes are too wide for. */
 #ifndef VELUM_SCATTERING_H
 #define VELUM_SCATTERING_H
 
@@ -17,7 +18,10 @@
 #define VELUM_SCATTERING_SUNS 13
 #define VELUM_SCATTERING_SLICES (VELUM_SCATTERING_MUS * (VELUM_SCATTERING_SUNS + 1))
 
-#define VELUM_SCATTERING_TABLES 2 /* VELUM_SLOT_UNIFORM and the next */
+/* VELUM_SLOT_UNIFORM and the next, then cloud of droplets and of ice. */
+#define VELUM_SCATTERING_TABLES 4
+#define VELUM_SCATTERING_WATER 2
+#define VELUM_SCATTERING_ICE 3
 
 /* Streams in a half space. What phase functions have beyond twice as many moments goes straight on: the part
  * `velum_scattering_peak` of all scattering (delta-M, Wiscombe 1977). */
@@ -44,10 +48,37 @@ VELUM_FN float velum_scattering_azimuth(float mu, float mu_sun, float cos_sun) {
     return velum_clamp((cos_sun + mu * mu_sun) / sines, -1.0f, 1.0f);
 }
 
-/* For sun of illuminance 1: cd/m2. */
+/* For sun of illuminance 1: cd/m2, over velum_scattering_shape. */
 VELUM_FN float velum_scattering_value(float c0, float c1, float c2, float c3, float cos_azimuth) {
     float c = cos_azimuth;
     return VELUM_EXP2(c0 - c2 + c * (c1 - 3.0f * c3 + c * (2.0f * c2 + c * 4.0f * c3)));
+}
+
+/* How light that scatters twice and more stands about the sun: the orders that have kept to the forward peak, after
+ * k >= 1 turns on the way down to an optical depth of `turning` along the sun (Poisson's shares), each Henyey and
+ * Greenstein's of g^(k + 1) (Riley et al. 2004), and an even share for all else. `g`: mean cosine of what the peak of
+ * velum_scattering_peak leaves; `turning`: without that peak. */
+VELUM_FN float velum_scattering_shape(float cos_sun, float g, float turning) {
+    float keeps = VELUM_MAX(g, 0.0f);
+    float depth = VELUM_MAX(turning, 1.0e-4f);
+    float none = VELUM_EXP(-depth);
+    float one = none * depth;
+    /* All but the first together, by their mean order. */
+    float rest = VELUM_MAX(1.0f - none - one, 0.0f);
+    float order = depth < 0.05f ? 2.0f + depth * (1.0f / 3.0f) : (depth - one) / rest;
+    return 0.1f * VELUM_INV_4PI + one * velum_phase_hg(cos_sun, keeps * keeps) +
+           rest * velum_phase_hg(cos_sun, VELUM_POW(keeps, order + 1.0f));
+}
+
+/* The mean cosine that a peak leaves. */
+VELUM_FN float velum_scattering_rest(float mean_cosine, float peak) {
+    return (mean_cosine - peak) / VELUM_MAX(1.0f - peak, 1.0e-6f);
+}
+
+/* Optical depth along the sun at which the table takes its shape: within its nodes. */
+VELUM_FN float velum_scattering_turning(float above, float mu_sun, float scale) {
+    float least = VELUM_EXP2(VELUM_TO_FLOAT(VELUM_SCATTERING_DEPTH_LOW));
+    return scale * VELUM_MAX(above, least) / VELUM_MAX(VELUM_ABS(mu_sun), 1.0e-3f);
 }
 
 /* Below the first node what scatters twice goes with the whole depth. */
@@ -85,7 +116,7 @@ VELUM_FN float velum_scattering_peak(velum_phase_lobes p) {
  * the peak takes for nothing: who has done so k times scatters by the function's own k + 1st convolution, which is
  * Henyey and Greenstein's again, of g^(k + 1) (Riley et al. 2004), or by what the peak leaves. */
 VELUM_FN float velum_scattering_first(float cos_sun, float g, float peak, float straight) {
-    float wide = (1.0f - peak) * velum_phase_hg(cos_sun, (g - peak) / VELUM_MAX(1.0f - peak, 1.0e-6f));
+    float wide = (1.0f - peak) * velum_phase_hg(cos_sun, velum_scattering_rest(g, peak));
     /* No loop: software devices count their rounds over all of a ray. */
     float none = VELUM_EXP(-straight);
     float one = none * straight;
