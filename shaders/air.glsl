@@ -204,6 +204,15 @@ float fog_border_m(vec3 o, vec3 d, float distance_m) {
     return border_m;
 }
 
+/* Where a share of the steps along a way of air ends: they are finest about `low_m`, and more so the steeper it is. */
+float air_node(float share, float way_m, float low_m, float steep) {
+    float low = clamp(low_m, 0.0, way_m);
+    float before = sqrt(low) / max(sqrt(low) + sqrt(way_m - low), 1e-6);
+    float y = share < before ? 1.0 - share / before : (share - before) / max(1.0 - before, 1e-6);
+    float bent = y * y * mix(1.0, y, steep);
+    return share < before ? low * (1.0 - bent) : low + (way_m - low) * bent;
+}
+
 /* Air and fog from offset o along d. */
 air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow) {
     air_light result = air_light(vec3(0.0), vec3(1.0));
@@ -211,14 +220,28 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         return result;
     }
     float cos_sun = dot(d, eye.sun.xyz);
+    for (int once = eye.up.w > VELUM_AIR_TOP_M ? 0 : 1; once < 1; ++once) {
+        velum_span air = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, VELUM_AIR_TOP_M);
+        float enter_m = air.enter_m <= air.leave_m ? clamp(air.enter_m, 0.0, distance_m - 1.0) : 0.0;
+        o += d * enter_m;
+        distance_m -= enter_m;
+    }
     float border_m = fog_border_m(o, d, distance_m);
     bool fog_first = border_m > 0.0 && fog_extinction_1_m(place_of(o).height_m) > 0.0;
     int own = border_m > 0.0 ? (fog_first ? steps / 3 : steps - steps / 3) : 0;
+    /* The lowest place is where most of the air is, if it is much lower than the first. */
+    velum_place first = place_of(o);
+    float fall = -dot(vec3(first.nx, first.ny, first.nz), d);
+    float lowest_m = clamp(VELUM_WGS84_A_M * fall, 0.0, distance_m);
+    float drop_m = max(lowest_m * (fall - lowest_m / (2.0 * VELUM_WGS84_A_M)), 0.0);
+    float low_m = lowest_m * (1.0 - exp(-drop_m / 3000.0));
+    float steep = min(drop_m / 30000.0, 1.0);
     float before = 0.0;
     vec3 reaches = vec3(1.0); /* of light, that forward scattering keeps on its way */
     for (int i = 0; i < steps; ++i) {
         float x = i < own ? float(i + 1) / float(own) : float(i + 1 - own) / float(steps - own);
-        float t1 = i < own ? border_m * x * x : border_m + (distance_m - border_m) * x * x;
+        float t1 = i < own ? air_node(x, border_m, low_m, steep)
+                           : border_m + air_node(x, distance_m - border_m, low_m - border_m, steep);
         float t = 0.5 * (before + t1);
         float dt = t1 - before;
         before = t1;
