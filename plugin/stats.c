@@ -41,7 +41,7 @@ void stats_read(engine *e, frame_slot *slot) {
         if (!record->v) {
             continue;
         }
-        uint32_t counters[4];
+        uint32_t counters[VELUM_COUNTER_WORDS];
         memcpy(counters, (const char *)slot->counters.mapped + (size_t)i * COUNTER_STRIDE, sizeof counters);
         velum_view_stats *stats = &record->v->stats;
         *stats = record->stats;
@@ -59,6 +59,12 @@ void stats_read(engine *e, frame_slot *slot) {
                    (const char *)slot->counters.mapped + (size_t)i * COUNTER_STRIDE +
                        sizeof(uint32_t) * VELUM_COUNTER_WORDS,
                    sizeof words);
+            if (counters[VELUM_COUNTER_ABOVE] > 0 || counters[VELUM_COUNTER_BAD] > 0) {
+                log_write(&e->sink, VELUM_LOG_ERROR, record->v->name,
+                          "reference: %u samples are denser than their bound, %u paths are no number: the picture is "
+                          "not unbiased",
+                          counters[VELUM_COUNTER_ABOVE], counters[VELUM_COUNTER_BAD]);
+            }
             reference_learn(record->v, record, words, stats->march_ms);
         }
         record->v->has_stats = true;

@@ -3,6 +3,10 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#ifndef REPORT_PROGRAM
+#define REPORT_PROGRAM "velum-host"
+#endif
+
 static void report(const char *prefix, const char *format, va_list arguments) {
     char text[2048];
     vsnprintf(text, sizeof text, format, arguments);
@@ -17,13 +21,13 @@ static void report(const char *prefix, const char *format, va_list arguments) {
 void report_error(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    report("velum-host: ", format, arguments);
+    report(REPORT_PROGRAM ": ", format, arguments);
     va_end(arguments);
 }
 
 void report_warning(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    report("velum-host: warning: ", format, arguments);
+    report(REPORT_PROGRAM ": warning: ", format, arguments);
     va_end(arguments);
 }

@@ -125,6 +125,7 @@ void main() {
     uint samples = 0u;
     uint light_samples = 0u;
     uint above = 0u;
+    uint bad = 0u;
     uint begun = 0u;
     uint finished = 0u;
     bool missing = false;
@@ -493,6 +494,7 @@ void main() {
         for (int once = ends ? 0 : 1; once < 1; ++once) {
             vec4 first = vec4(light, cloud_m);
             vec4 second = vec4(through, cloud_weight);
+            bad += is_bad(first) || is_bad(second) ? 1u : 0u;
             paths[path_index].light = is_bad(first) ? vec4(0.0) : first;
             paths[path_index].through = is_bad(second) ? vec4(0.0) : second;
             ++finished;
@@ -529,4 +531,5 @@ void main() {
     atomicAdd(counters[2], light_samples);
     atomicAdd(counters[3], missing ? 1u : 0u);
     atomicAdd(counters[VELUM_COUNTER_ABOVE], above);
+    atomicAdd(counters[VELUM_COUNTER_BAD], bad);
 }

@@ -134,9 +134,11 @@ VELUM_FN VELUM_UINT velum_reference_turn_of(VELUM_UINT x, VELUM_UINT y, VELUM_UI
  * march: branches for each collision, slot of the narrowest forward peak, slope of the detail noise, worth below which
  * roulette begins. */
 
-/* Words of a frame's counters: rays, samples, light samples, missing tiles; samples above their majorant. */
+/* Words of a frame's counters: rays, samples, light samples, missing tiles; samples above their majorant; paths whose
+ * light is no number. */
 #define VELUM_COUNTER_WORDS 8
 #define VELUM_COUNTER_ABOVE 4
+#define VELUM_COUNTER_BAD 5
 
 /* Words of a view's slice, which may take several frames: paths begun, done, done when last the pixels took them in;
  * relative error (a float); 0. */

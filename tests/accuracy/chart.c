@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "sample_host/files.h"
 
 enum { COLUMNS = 5 };
 
@@ -152,17 +153,13 @@ static void mark_fronts(chart *c) {
     }
 }
 
-static bool write_results(const program *p) {
-    FILE *file = chart_create(p, "results.jsonl");
-    for (uint32_t i = 0; file && i < p->result_count; i++) {
-        measure_print_json(file, &p->results[i]);
-    }
-    return chart_finish(file);
-}
-
 int chart_run(program *p) {
-    if (mkdir(p->folder, 0777) != 0 && errno != EEXIST) {
-        fprintf(stderr, "velum-accuracy: %s: %s\n", p->folder, strerror(errno));
+    struct files_folder folder;
+    if (!files_prepare_folder(p->folder, &folder) || !chart_can_draw()) {
+        return 1;
+    }
+    p->log = chart_create(p, "results.jsonl");
+    if (!p->log) {
         return 1;
     }
     const char *method = p->method ? p->method : "all";
@@ -181,9 +178,11 @@ int chart_run(program *p) {
         }
     }
     own.p = p;
+    own.method = method;
     collect(&own);
     mark_fronts(&own);
-    ok = write_results(p) && ok;
+    ok = chart_finish(p->log) && ok;
+    p->log = NULL;
     ok = chart_draw(&own) && ok;
     ok = chart_write_page(&own) && ok;
     return ok && p->failed == 0 ? 0 : 1;

@@ -21,6 +21,7 @@ typedef struct chart_point {
 
 typedef struct chart {
     const program *p;
+    const char *method;
     chart_point points[CHART_POINTS_MAX];
     uint32_t count;
 } chart;
@@ -33,6 +34,8 @@ double chart_error(const chart_point *at);
 /* Of a preset; null: not measured. */
 const measurement *chart_preset(const program *p, const char *scene, int32_t quality);
 
+/* False (reported): there is no gnuplot. */
+bool chart_can_draw(void);
 /* chart_draw.c: SVG and PNG of all curves of each group, of the presets, and of all points, by gnuplot. */
 bool chart_draw(const chart *c);
 /* chart_page.c: README.md, with tables and pictures. */

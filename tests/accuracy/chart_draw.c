@@ -66,20 +66,32 @@ static void write_axis(FILE *file, char name, range r, const char *label) {
     fprintf(file, ")\n");
 }
 
-static bool run_gnuplot(const program *p, const char *script) {
-    char path[CHART_PATH];
-    snprintf(path, sizeof path, "%s/%s", p->folder, script);
+static bool run_gnuplot(char *option, char *argument) {
     char program_name[] = "gnuplot";
-    char *arguments[] = {program_name, path, NULL};
+    char *arguments[] = {program_name, option, argument, NULL};
     pid_t child;
     int status = 0;
     int error = posix_spawnp(&child, program_name, NULL, NULL, arguments, environ);
     if (error || waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-        fprintf(stderr, "velum-accuracy: gnuplot %s: %s\n", path, error ? strerror(error) : "failed");
+        fprintf(stderr, "velum-accuracy: gnuplot %s: %s\n", option, error ? strerror(error) : "failed");
         return false;
     }
-    unlink(path);
     return true;
+}
+
+bool chart_can_draw(void) {
+    char option[] = "-e", argument[] = "exit";
+    return run_gnuplot(option, argument);
+}
+
+static bool run_script(const program *p, const char *script) {
+    char path[CHART_PATH];
+    snprintf(path, sizeof path, "%s/%s", p->folder, script);
+    bool ok = run_gnuplot(path, NULL);
+    if (ok) {
+        unlink(path);
+    }
+    return ok;
 }
 
 static void write_head(FILE *file, const chart *c, const char *title, chart_axis axis, range x, range y) {
@@ -185,7 +197,7 @@ static bool draw_group(const chart *c, const char *group, chart_axis axis) {
         plot[used - 2] = '\0';
     }
     write_plot(file, c->p, name, plot);
-    return chart_finish(file) && run_gnuplot(c->p, script);
+    return chart_finish(file) && run_script(c->p, script);
 }
 
 static void write_scene_lines(FILE *file, const chart *c, chart_axis axis, range *x, range *y) {
@@ -238,7 +250,7 @@ static bool draw_presets(const chart *c, chart_axis axis) {
         "offset 0,1.1 font \",11\" notitle",
         colours[0]);
     write_plot(file, c->p, name, plot);
-    return chart_finish(file) && run_gnuplot(c->p, script);
+    return chart_finish(file) && run_script(c->p, script);
 }
 
 /* What each point would be on the scenes that methods are compared on: presets too. */
@@ -315,7 +327,7 @@ static bool draw_all(const chart *c) {
         "using 1:2 with linespoints lw 2 pt 9 ps 1.6 lc rgb \"black\" title \"presets\", $presets using 1:2:3 with "
         "labels offset 0,1.1 notitle");
     write_plot(file, c->p, "all_ms", plot);
-    return chart_finish(file) && run_gnuplot(c->p, "all_ms.gp");
+    return chart_finish(file) && run_script(c->p, "all_ms.gp");
 }
 
 bool chart_draw(const chart *c) {

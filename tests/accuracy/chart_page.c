@@ -71,7 +71,7 @@ static void write_scenes(const program *p, FILE *file) {
                 fprintf(file, " - | - | - | - |");
             }
         }
-        fprintf(file, " %.3f, %.3f |\n", last->m_8.noise, last->m.noise);
+        fprintf(file, " %.3f, %.3f, %.0f |\n", last->m_8.noise, last->m.noise, last->paths);
     }
 }
 
@@ -128,22 +128,25 @@ bool chart_write_page(const chart *c) {
     }
     fprintf(
         file,
-        "# Error against time\n\nMade by\n\n    velum-accuracy reference --error %g && velum-accuracy chart DIR\n\non "
-        "%s; "
-        "pictures of %u x %u pixels. Every figure is in [results.jsonl](results.jsonl).\n\n"
+        "# Error against time\n\nMade by\n\n    velum-accuracy reference --size %ux%u\n    velum-accuracy chart DIR "
+        "--size %ux%u --method %s%s%s\n\non %s; pictures of %u x %u pixels. Every figure is in "
+        "[results.jsonl](results.jsonl).\n\n"
         "Error: relative root mean square error of luminance against the unbiased reference, each pixel (or mean over "
         "8 x 8) over the greater of its "
         "reference and 1 %% of the scene's mean; the reference's own noise is subtracted, ± is what it leaves "
         "unsure. Bias: of the mean luminance. 99 %%: of means over 4 x 4 pixels so many lie within (with what noise "
         "they have). ms: of the view alone, a megapixel, median of the settled frames "
         "([metric.h](../accuracy/metric.h)).\n\n## Presets\n\nOver all scenes (root of the mean square; means):\n\n",
-        p->reference.error, p->s.device_name, p->reference.width, p->reference.height);
+        p->reference.width, p->reference.height, p->reference.width, p->reference.height, c->method,
+        p->by_pixel ? " --pixels" : "", p->reference.cached ? " --cached" : "", p->s.device_name, p->reference.width,
+        p->reference.height);
     write_overall(p, file);
     fprintf(file, "\nScene by scene, error %s:\n\n", p->by_pixel ? "of pixels" : "of means over 8 x 8");
     write_scenes(p, file);
-    fprintf(file,
-            "\nThe reference's noise: of means over 8 x 8, of pixels. ~: some reference's pixels are noisier than "
-            "10 %%, and divide by their noise: errors of pixels are then too large.\n");
+    fprintf(file, "\nThe reference's noise: of means over 8 x 8, of pixels; its paths a pixel, from the variance of "
+                  "which the noise is "
+                  "known. ~: some reference's pixels are noisier than "
+                  "10 %%, and divide by their noise: errors of pixels are then too large.\n");
     write_charts(c, file);
     fprintf(file,
             "\n## Published figures beside ours\n\nTheir works gave times on other machines and no errors: times are "

@@ -1,11 +1,12 @@
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "program.h"
+#include "sample_host/files.h"
 
 static int usage(int status) {
     fprintf(
@@ -22,6 +23,7 @@ static int usage(int status) {
         "  --error E       a reference is good enough at this noise of means over 8 x 8 pixels (0.01)...\n"
         "  --paths N       ... or at so many paths a pixel...\n"
         "  --seconds N     ... or after so long (60), all that went into it; for `reference`: of one visit\n"
+        "  --cached        references as they are in the cache, good enough or not; nothing is added\n"
         "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
         "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
         "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
@@ -94,7 +96,6 @@ static bool parse_device(const char *text, int32_t *out) {
 }
 
 static bool parse_option(program *p, const char *name, const char *value, bool cases, int32_t *device) {
-    double number;
     if (strcmp(name, "--scene") == 0) {
         if (p->scene_count == PROGRAM_NAMES || (!cases && !scene_find(value))) {
             fprintf(stderr, "velum-accuracy: found scene '%s', expected one of `velum-accuracy list`\n", value);
@@ -114,21 +115,17 @@ static bool parse_option(program *p, const char *name, const char *value, bool c
         p->method = value;
         return known;
     }
-    if (strcmp(name, "--error") == 0 && parse_number(value, 1e-6, 1.0, &number)) {
-        p->reference.error = number;
-        return true;
+    if (strcmp(name, "--error") == 0) {
+        return parse_number(value, 1e-6, 1.0, &p->reference.error);
     }
-    if (strcmp(name, "--paths") == 0 && parse_number(value, 1.0, 1e9, &number)) {
-        p->reference.paths = number;
-        return true;
+    if (strcmp(name, "--paths") == 0) {
+        return parse_number(value, 1.0, 1e9, &p->reference.paths);
     }
-    if (strcmp(name, "--minutes") == 0 && parse_number(value, 0.0, 1e6, &number)) {
-        p->minutes = number;
-        return true;
+    if (strcmp(name, "--minutes") == 0) {
+        return parse_number(value, 1e-3, 1e6, &p->minutes);
     }
-    if (strcmp(name, "--seconds") == 0 && parse_number(value, 0.0, 1e6, &number)) {
-        p->reference.seconds = number;
-        return true;
+    if (strcmp(name, "--seconds") == 0) {
+        return parse_number(value, 0.0, 1e6, &p->reference.seconds);
     }
     if (strcmp(name, "--cache") == 0) {
         p->reference.cache = value;
@@ -214,6 +211,9 @@ int main(int argc, char **argv) {
         } else if (strcmp(argv[at], "--pixels") == 0) {
             p.by_pixel = true;
             at++;
+        } else if (strcmp(argv[at], "--cached") == 0) {
+            p.reference.cached = true;
+            at++;
         } else if (at + 1 < argc && parse_option(&p, argv[at], argv[at + 1], command == 3, &device)) {
             at += 2;
         } else {
@@ -224,8 +224,18 @@ int main(int argc, char **argv) {
         list();
         return 0;
     }
-    if (!stage_init(&p.s, device)) {
+    struct files_folder folder = {.made = 0};
+    bool keeps = command != 3;
+    if (keeps && !files_prepare_folder(p.reference.cache, &folder)) {
         return 1;
+    }
+    if (!stage_init(&p.s, device)) {
+        files_remove_empty(&folder);
+        return 1;
+    }
+    if (command == 4) {
+        signal(SIGINT, reference_stop);
+        signal(SIGTERM, reference_stop);
     }
     status = command == 1   ? run_all(&p)
              : command == 2 ? chart_run(&p)
@@ -237,6 +247,7 @@ int main(int argc, char **argv) {
     status = status == 0 && p.skipped ? 77 : status;
     tell_time();
     stage_finish(&p.s);
+    files_remove_empty(&folder);
     free(p.results);
     return status;
 }

@@ -41,6 +41,10 @@ static void compare_one(program *p, const char *scene, const stage_camera *c, co
     if (m.invalid) {
         p->failed++;
     }
+    if (p->log) {
+        measure_print_json(p->log, &m);
+        fflush(p->log);
+    }
     if (p->json) {
         measure_print_json(stdout, &m);
     } else {
@@ -185,6 +189,9 @@ int program_make_references(program *p) {
                     return p->failed ? 1 : 0;
                 }
                 done[i][blown] = done[i][blown] || visit(p, scene, blown != 0);
+                if (reference_is_stopped()) {
+                    return 1;
+                }
                 left = left || !done[i][blown];
             }
         }

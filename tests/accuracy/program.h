@@ -22,6 +22,7 @@ struct program {
     const char *folder; /* of chart and tables */
     bool by_pixel;      /* charts and published figures by the error of pixels instead of means over 8 x 8 */
     program_picture_fn on_picture;
+    FILE *log; /* null, or gets every measurement as it is made */
     measurement *results;
     uint32_t result_count, result_capacity;
     uint32_t skipped, failed;

@@ -2,10 +2,10 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "metric.h"
@@ -14,6 +14,17 @@ enum { KEY_MAX = 2048, LEAST_PATHS = 4 };
 
 #define SAVE_MS 30000.0
 #define LOOK_MS 500.0
+/* What stops `velum-accuracy reference`: what has been done is kept. */
+static volatile sig_atomic_t told_to_stop;
+
+void reference_stop(int signal_number) {
+    told_to_stop = signal_number;
+}
+
+bool reference_is_stopped(void) {
+    return told_to_stop != 0;
+}
+
 /* Of the time of a part, by which it has random numbers of its own: nothing moves in it. */
 #define PART_S 1e-6
 
@@ -21,7 +32,7 @@ static void make_key(const stage *s, const char *name, const stage_camera *c, fl
                      const reference_options *options, char key[KEY_MAX]) {
     uint64_t camera = stage_hash(0, c, sizeof *c);
     snprintf(key, KEY_MAX,
-             "velum-accuracy reference 3\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nrevision %016llx\n"
+             "velum-accuracy reference 4\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nrevision %016llx\n"
              "device %s\n",
              name, (unsigned long long)s->scenario_hash, (unsigned long long)camera, (double)wind_east_m_s,
              options->width, options->height, (unsigned long long)s->revision, s->device_name);
@@ -37,18 +48,23 @@ static void look(reference *r) {
                  &r->noise_8);
 }
 
-static bool move(FILE *file, bool out, void *data, size_t size) {
-    return (out ? fwrite(data, 1, size, file) : fread(data, 1, size, file)) == size;
+static bool move(FILE *file, bool out, void *data, size_t size, uint64_t *hash) {
+    bool ok = (out ? fwrite(data, 1, size, file) : fread(data, 1, size, file)) == size;
+    *hash = stage_hash(*hash, data, size);
+    return ok;
 }
 
-/* The same for reading and writing. */
+/* The same for reading and writing: what there is, then its hash. */
 static bool move_body(FILE *file, bool out, reference *r) {
     picture *p = &r->picture;
     double figures[4] = {r->seconds, r->paths, r->parts, p->count};
     size_t floats = p->count * sizeof(float);
-    bool ok = move(file, out, figures, sizeof figures) && figures[3] == (double)p->count &&
-              move(file, out, p->rgb, 3 * floats) && move(file, out, p->transmittance, 3 * floats) &&
-              move(file, out, p->distance, floats) && move(file, out, p->variance, floats);
+    uint64_t hash = 0, unused = 0;
+    bool ok = move(file, out, figures, sizeof figures, &hash) && figures[3] == (double)p->count &&
+              move(file, out, p->rgb, 3 * floats, &hash) && move(file, out, p->transmittance, 3 * floats, &hash) &&
+              move(file, out, p->distance, floats, &hash) && move(file, out, p->variance, floats, &hash);
+    uint64_t told = hash;
+    ok = ok && move(file, out, &told, sizeof told, &unused) && told == hash;
     r->seconds = figures[0];
     r->paths = figures[1];
     r->parts = (uint32_t)figures[2];
@@ -60,7 +76,7 @@ static bool is_sound(const reference *r) {
     const picture *p = &r->picture;
     double sum = 0.0;
     for (uint32_t i = 0; i < p->count; i++) {
-        sum += (double)p->variance[i] + (double)p->distance[i];
+        sum += p->variance[i] < 0.0f ? NAN : (double)p->variance[i] + (double)p->distance[i];
         for (uint32_t k = 0; k < 3; k++) {
             sum += (double)p->rgb[3 * i + k] + (double)p->transmittance[3 * i + k];
         }
@@ -86,10 +102,9 @@ static bool load(const char *path, const char *key, reference *r) {
     return ok;
 }
 
-static bool save(const char *cache, const char *path, const char *key, reference *r) {
+static bool save(const char *path, const char *key, reference *r) {
     char temporary[1100];
     snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
-    mkdir(cache, 0777);
     FILE *file = fopen(temporary, "wb");
     bool ok = file && fwrite(key, 1, strlen(key) + 1, file) == strlen(key) + 1 && move_body(file, true, r);
     if (file && fclose(file) != 0) {
@@ -141,7 +156,8 @@ static void tell(const char *name, const reference *r, bool done) {
 }
 
 static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name, const stage_camera *c,
-                              const reference_options *options, const char *path, const char *key, reference *out) {
+                              const reference_options *options, const char *path, const char *key, reference *out,
+                              bool *kept) {
     double start_ms = stage_now_ms(), looked_ms = start_ms, saved_ms = start_ms;
     uint32_t flags = VELUM_VIEW_CUT;
     velum_result result = VELUM_OK;
@@ -156,7 +172,7 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
         double seconds = 1e-3 * (now_ms - start_ms);
         /* A few paths do not tell their variance: the clock stops nothing before there are more. */
         double left_s = options->seconds - t->base.seconds;
-        bool late = seconds >= (t->paths < LEAST_PATHS ? options->patience : 1.0) * left_s;
+        bool late = told_to_stop || seconds >= (t->paths < LEAST_PATHS ? options->patience : 1.0) * left_s;
         if (result < 0 || (now_ms - looked_ms < LOOK_MS && !at_limit && !late)) {
             continue;
         }
@@ -167,8 +183,9 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
         done = late || (t->paths >= LEAST_PATHS && reference_is_enough(out, options));
         if (t->paths >= LEAST_PATHS && (done || now_ms - saved_ms > SAVE_MS)) {
             saved_ms = now_ms;
-            if (!save(options->cache, path, key, out)) {
-                return VELUM_ERROR_STATE;
+            *kept = save(path, key, out);
+            if (!*kept) {
+                return VELUM_OK;
             }
         }
         tell(name, out, done);
@@ -181,6 +198,7 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
     stage_view v = {0};
     part t = {.base = *out};
     int status = STAGE_FAILED;
+    bool kept = true;
     t.base.picture = (picture){0};
     velum_result result = VELUM_ERROR_OUT_OF_MEMORY;
     if (picture_init(&t.base.picture, options->width, options->height) &&
@@ -189,14 +207,17 @@ static int render(stage *s, const char *name, const stage_camera *c, const refer
         result = stage_view_init(s, &v, VELUM_QUALITY_REFERENCE, options->width, options->height);
     }
     if (result >= 0) {
-        result = add_paths(s, &t, &v, name, c, options, path, key, out);
+        result = add_paths(s, &t, &v, name, c, options, path, key, out, &kept);
     }
     if (result < 0) {
         stage_fail(s, "reference", result);
+    } else if (told_to_stop && out->parts == 0) {
+        fprintf(stderr, "velum-accuracy: %s: stopped before there were %d paths a pixel: nothing is kept\n", name,
+                LEAST_PATHS);
     } else if (out->parts == 0) {
         fprintf(stderr, "velum-accuracy: %s: %.0f paths a pixel in %.0f s are no reference; --seconds\n", name, t.paths,
                 options->patience * options->seconds);
-    } else {
+    } else if (kept) {
         status = STAGE_OK;
     }
     stage_view_finish(&v, s);
@@ -229,8 +250,13 @@ int reference_get(stage *s, const char *name, const stage_camera *c, float wind_
     }
     make_key(s, name, c, wind_east_m_s, options, key);
     make_path(name, key, options->cache, path);
-    if (load(path, key, out) && reference_is_enough(out, options)) {
+    if (load(path, key, out) && (options->cached || reference_is_enough(out, options))) {
         return STAGE_OK;
+    }
+    if (options->cached) {
+        fprintf(stderr, "velum-accuracy: %s: %s is not there, or not sound\n", name, path);
+        reference_finish(out);
+        return STAGE_FAILED;
     }
     int status = render(s, name, c, options, path, key, out);
     if (status != STAGE_OK) {

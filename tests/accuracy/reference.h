@@ -11,6 +11,7 @@ typedef struct reference_options {
     double paths;      /* ... or a pixel has so many; 0: no such limit... */
     double seconds;    /* ... or all that has been done took so long */
     double patience;   /* times that, for as long as there is nothing that could be kept */
+    bool cached;       /* whatever is in the cache is enough, and nothing is added */
     uint32_t width, height;
 } reference_options;
 
@@ -29,6 +30,9 @@ int reference_get(stage *s, const char *name, const stage_camera *c, float wind_
 /* What is in the cache alone. False: nothing. */
 bool reference_load(stage *s, const char *name, const stage_camera *c, float wind_east_m_s,
                     const reference_options *options, reference *out);
+/* For signal(): ends what is being made, which is kept, and program_make_references. */
+void reference_stop(int signal_number);
+bool reference_is_stopped(void);
 bool reference_is_enough(const reference *r, const reference_options *options);
 void reference_finish(reference *r);
 

@@ -29,8 +29,22 @@ grep -q ' in  2 parts' "$work/out3" || fail 'no second part'
 awk -v a="$(noise out1)" -v b="$(noise out3)" 'BEGIN { exit !(a > 0 && b > 0.15 * a && b < 0.4 * a) }' ||
     fail "noise of $(noise out1) and $(noise out3)"
 # Another plugin than the one that was built, another key.
-cp "$VELUM_PLUGIN" "$work/libother.so"
-printf x >> "$work/libother.so"
+LC_ALL=C sed 's/\(velum reference revision \)......../\100000000/' "$VELUM_PLUGIN" > "$work/libother.so"
 VELUM_PLUGIN=$work/libother.so make out4 --paths 16
 grep -q ' in  1 parts' "$work/out4" || fail 'the reference of another plugin was taken'
 [ "$(ls "$work/cache" | wc -l)" -eq 2 ] || fail 'not two references'
+# Told to stop, it keeps what it has.
+"$accuracy" reference --scene fog --size 16x9 --device cpu --seconds 600 --error 1e-6 --cache "$work/cache" \
+    > "$work/out5" 2> "$work/error" &
+sleep 6
+kill -INT $!
+wait $! && fail 'stopped, and all is well'
+grep -q ' in  1 parts' "$work/out5" || fail 'nothing was kept'
+[ "$(ls "$work/cache" | wc -l)" -eq 3 ] || fail 'not three references'
+# A byte that has changed since is found.
+for file in "$work"/cache/fog-*; do
+    printf '\001' | dd of="$file" bs=1 seek=900 conv=notrunc 2> "$work/error"
+done
+! "$accuracy" run --scene fog --size 16x9 --device cpu --cached --cache "$work/cache" > "$work/out6" 2> "$work/error" ||
+    fail 'a damaged reference was taken'
+grep -q 'not sound' "$work/error" || fail 'no word of the damage'

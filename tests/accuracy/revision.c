@@ -1,7 +1,7 @@
 /* What a reference picture depends on, as one number: a hash of the given sources without their comments and their
  * layout.
  *     accuracy-revision HEADER SOURCE...
- * writes HEADER with ACCURACY_REVISION. Names and order of the sources count, their folders do not. */
+ * writes HEADER with ACCURACY_REVISION, a text. Names and order of the sources count, their folders do not. */
 #include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -116,7 +116,7 @@ int main(int argc, char **argv) {
         }
     }
     FILE *file = fopen(argv[1], "w");
-    int ok = file && fprintf(file, "#define ACCURACY_REVISION 0x%016" PRIx64 "u\n", hash) > 0;
+    int ok = file && fprintf(file, "#define ACCURACY_REVISION \"%016" PRIx64 "\"\n", hash) > 0;
     if (!file || fclose(file) != 0 || !ok) {
         fprintf(stderr, "%s: cannot write: %s\n", argv[1], strerror(errno));
         return 1;

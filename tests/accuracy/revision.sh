@@ -19,7 +19,7 @@ revision() {
 set -- $(cat "$root/tests/accuracy/revision.txt")
 listed=" $* "
 before=$(revision "$@")
-case $before in "#define ACCURACY_REVISION 0x"*) ;; *) fail "found '$before'" ;; esac
+case $before in "#define ACCURACY_REVISION "*) ;; *) fail "found '$before'" ;; esac
 [ "$(revision "$@")" = "$before" ] || fail 'not the same twice'
 
 # A line of code, anywhere in the list.
