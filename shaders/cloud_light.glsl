@@ -125,9 +125,13 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
  * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
-const float turns = 0.105; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float turns = 0.09; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_share = 0.72; /* of the depth along the sun: of its face's */
 const float deep_share = 0.68;
+/* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
+ * shadow; of a deck without gaps. */
+const float lump_face = 0.6, lump_low = 0.4;
+const float deck_face = 0.38, deck_tilt = 0.29;
 const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
 const float storm_share = 0.85; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
@@ -168,9 +172,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
-    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps turn faces to a low sun. */
+    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps have faces turned to any sun. */
     float wall = storm ? storm_share * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
-    float face = max(mu_sun, max(wall, 0.5));
+    float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
+    float over = velum_overcast(hit.fields.coverage);
+    float lumps = lump_face - lump_low * low * low * low * low;
+    float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float dark = down + max(flank - lit, 0.0);
     float diffuse = lit / (lit + dark) * (1.0 - exp(-0.10 * whole)) * max(1.0 + limb * hit.rise * (down - up), 0.0);
