@@ -51,6 +51,8 @@ void proof_energy(void **state); /* what goes into a white slab comes out */
 void proof_furnace(void **state);
 void proof_reciprocity(void **state);
 void proof_extinction(void **state); /* none, and a half-space */
+/* proof_air.c */
+void proof_air(void **state); /* first order, against quadrature */
 /* proof_first_order.c */
 void proof_first_order(void **state); /* against double-precision quadrature over the ellipsoid */
 void proof_curvature(void **state);   /* what plane-parallel is wrong by */

@@ -137,10 +137,15 @@ static void meets_radiances(void **state) {
 static const struct {
     const char *name;
     CMUnitTestFunction run;
-} parts[] = {{"radiance", meets_radiances},      {"flux", proof_flux},
-             {"energy", proof_energy},           {"furnace", proof_furnace},
-             {"reciprocity", proof_reciprocity}, {"extinction", proof_extinction},
-             {"first-order", proof_first_order}, {"curvature", proof_curvature}};
+} parts[] = {{"radiance", meets_radiances},
+             {"flux", proof_flux},
+             {"energy", proof_energy},
+             {"furnace", proof_furnace},
+             {"reciprocity", proof_reciprocity},
+             {"extinction", proof_extinction},
+             {"first-order", proof_first_order},
+             {"curvature", proof_curvature},
+             {"air", proof_air}};
 enum { PARTS = sizeof parts / sizeof parts[0] };
 
 static int usage(void) {
