@@ -127,7 +127,7 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.09; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_share = 0.72; /* of the depth along the sun: of its face's */
-const float deep_share = 0.68;
+const float deep_share = 0.71;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
 const float lump_face = 0.6, lump_low = 0.4;
