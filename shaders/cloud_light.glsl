@@ -14,8 +14,6 @@ struct ray_phases {
     float water, ice; /* first order */
     float widened;    /* orders that keep near the forward peak */
     float cos_sun;
-    float peak_water, peak_ice; /* velum_scattering_peak */
-    scattering_rest rest_water, rest_ice;
 };
 
 ray_phases ray_phases_of(float cos_sun) {
@@ -24,12 +22,6 @@ ray_phases ray_phases_of(float cos_sun) {
     phases.water = velum_phase_cloud(cos_sun, false);
     phases.ice = velum_phase_cloud(cos_sun, true);
     phases.widened = velum_phase_hg(cos_sun, 0.55);
-    velum_phase_lobes water = velum_phase_lobes_cloud(false);
-    velum_phase_lobes ice = velum_phase_lobes_cloud(true);
-    phases.peak_water = velum_scattering_peak(water);
-    phases.peak_ice = velum_scattering_peak(ice);
-    phases.rest_water = scattering_rest_of(velum_phase_lobes_moment(water, 1), phases.peak_water, 1.0);
-    phases.rest_ice = scattering_rest_of(velum_phase_lobes_moment(ice, 1), phases.peak_ice, 1.0);
     return phases;
 }
 
@@ -235,8 +227,9 @@ vec3 closed_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     bool ice = hit.slot == VELUM_SLOT_HIGH;
     int which = ice ? VELUM_SCATTERING_ICE : VELUM_SCATTERING_WATER;
     velum_phase_lobes lobes = velum_phase_lobes_cloud(ice);
-    float straight = ice ? phases.peak_ice : phases.peak_water;
-    scattering_rest rest = ice ? phases.rest_ice : phases.rest_water;
+    float straight = ice ? VELUM_SCATTERING_ICE_PEAK : VELUM_SCATTERING_WATER_PEAK;
+    scattering_rest rest =
+        scattering_rest(ice ? VELUM_SCATTERING_ICE_REST : VELUM_SCATTERING_WATER_REST, 1.0 - straight);
     /* All of the peak is the first lobe's. */
     float narrow = velum_scattering_first(phases.cos_sun, lobes.g_first, straight / (1.0 - lobes.weight_second),
                                           straight * depth);

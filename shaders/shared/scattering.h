@@ -112,6 +112,12 @@ VELUM_FN float velum_scattering_peak(velum_phase_lobes p) {
     return mean > 0.0f ? VELUM_MAX(velum_phase_lobes_moment(p, VELUM_SCATTERING_MOMENTS), 0.0f) : 0.0f;
 }
 
+/* Of velum_phase_lobes_cloud: its peak, and velum_scattering_rest. */
+#define VELUM_SCATTERING_WATER_PEAK 0.440796465f
+#define VELUM_SCATTERING_WATER_REST 0.784175992f
+#define VELUM_SCATTERING_ICE_PEAK 0.145994768f
+#define VELUM_SCATTERING_ICE_REST 0.707261741f
+
 /* Henyey and Greenstein's function for sunlight that has gone straight on `straight` times on the mean before, which
  * the peak takes for nothing: who has done so k times scatters by the function's own k + 1st convolution, which is
  * Henyey and Greenstein's again, of g^(k + 1) (Riley et al. 2004), or by what the peak leaves. */

@@ -284,6 +284,18 @@ static void moments_are_means_of_legendre_polynomials(void **state) {
     }
 }
 
+static void cloud_has_the_peaks_that_are_written_down(void **state) {
+    (void)state;
+    static const float peaks[] = {VELUM_SCATTERING_WATER_PEAK, VELUM_SCATTERING_ICE_PEAK};
+    static const float rests[] = {VELUM_SCATTERING_WATER_REST, VELUM_SCATTERING_ICE_REST};
+    for (int ice = 0; ice < 2; ice++) {
+        const velum_phase_lobes phase = velum_phase_lobes_cloud(ice == 1);
+        const float peak = velum_scattering_peak(phase);
+        assert_true(fabsf(peak / peaks[ice] - 1.0f) < 1e-6f);
+        assert_true(fabsf(velum_scattering_rest(velum_phase_lobes_moment(phase, 1), peak) / rests[ice] - 1.0f) < 1e-6f);
+    }
+}
+
 /* Integral over the sphere by the midpoint rule in ln(1 - c + 1e-8). */
 static double whole(float g, float peak, float straight) {
     const int steps = 40000;
@@ -338,6 +350,7 @@ int main(void) {
                                        cmocka_unit_test(the_second_order_has_its_peak),
                                        cmocka_unit_test(every_input_gives_a_number),
                                        cmocka_unit_test(moments_are_means_of_legendre_polynomials),
+                                       cmocka_unit_test(cloud_has_the_peaks_that_are_written_down),
                                        cmocka_unit_test(light_that_went_straight_on_spreads)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
