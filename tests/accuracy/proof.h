@@ -40,6 +40,10 @@ FILE *proof_table(proof *p, const char *name);
 /* Whether a row of a table, or a case of the furnace, was asked for. */
 bool proof_wants(const proof *p, int row);
 double proof_now_s(void);
+/* Of the place at t along a direction, over the ellipsoid, by GeographicLib; ECEF. */
+double proof_height_at(const double from[3], const double to[3], double t);
+/* Five-point Gauss-Legendre, -1..1. */
+extern const double proof_node[5], proof_weight[5];
 
 /* pi I / (mu0 F0) of the rig's slab, until it is known well enough. */
 void proof_measure(proof *p, const slab_case *c, double thickness_m, proof_mean *out);

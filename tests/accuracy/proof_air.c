@@ -2,7 +2,6 @@
  * Coefficients are the presets' (shaders/shared/air.h), heights GeographicLib's. */
 #include <stddef.h>
 
-#include "core/geodesy.h"
 #include "proof.h"
 #include "shared/air.h"
 
@@ -19,21 +18,6 @@ typedef struct air_case {
  * upward over 1500 m, absorbs nothing and scatters by Henyey and Greenstein's function of 0.7. */
 #define HAZE_SCALE_M 1500.0
 #define HAZE_G 0.7
-
-/* Five-point Gauss-Legendre. */
-static const double node[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
-static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
-                                 0.2369268850561891};
-
-static double height_at(const double from[3], const double to[3], double t) {
-    double point[3];
-    core_geodetic place;
-    for (int i = 0; i < 3; i++) {
-        point[i] = from[i] + t * to[i];
-    }
-    assert_true(core_geodetic_from_ecef(point, &place));
-    return place.height_m;
-}
 
 static double rayleigh_1_m(double height_m, int colour) {
     static const double sea_level[3] = {(double)VELUM_RAYLEIGH_R, (double)VELUM_RAYLEIGH_G, (double)VELUM_RAYLEIGH_B};
@@ -60,16 +44,16 @@ static double extinction_1_m(double visibility_m, double height_m, int colour) {
 static double end_of(const double from[3], const double to[3], double from_m, bool *ground) {
     const double top_m = (double)VELUM_AIR_TOP_M;
     double t = from_m, last = from_m;
-    double h = height_at(from, to, t);
+    double h = proof_height_at(from, to, t);
     while (h >= 0.0 && (h <= top_m || t == from_m)) {
         last = t;
         t += 500.0 + 0.02 * fabs(h);
-        h = height_at(from, to, t);
+        h = proof_height_at(from, to, t);
     }
     *ground = h < 0.0;
     for (int i = 0; i < 50; i++) {
         const double middle = 0.5 * (last + t);
-        const double at = height_at(from, to, middle);
+        const double at = proof_height_at(from, to, middle);
         *(at < 0.0 || at > top_m ? &t : &last) = middle;
     }
     return last;
@@ -85,9 +69,9 @@ static void depths(double visibility_m, const double from[3], const double to[3]
         const double share = (k + 1.0) / PANELS;
         const double right = start + (end - start) * share * share;
         for (int j = 0; j < 5; j++) {
-            const double h = height_at(from, to, 0.5 * (left + right) + 0.5 * (right - left) * node[j]);
+            const double h = proof_height_at(from, to, 0.5 * (left + right) + 0.5 * (right - left) * proof_node[j]);
             for (int c = 0; c < 3; c++) {
-                out[c] += 0.5 * (right - left) * weight[j] * extinction_1_m(visibility_m, h, c);
+                out[c] += 0.5 * (right - left) * proof_weight[j] * extinction_1_m(visibility_m, h, c);
             }
         }
         left = right;
@@ -103,7 +87,7 @@ static void sky(double visibility_m, const double from[3], const double ahead[3]
     enum { PANELS = 80 };
     bool ground, shaded;
     double start = 0.0;
-    while (height_at(from, ahead, start) > (double)VELUM_AIR_TOP_M) {
+    while (proof_height_at(from, ahead, start) > (double)VELUM_AIR_TOP_M) {
         start += 100.0;
     }
     const double end = end_of(from, ahead, start, &ground);
@@ -120,12 +104,12 @@ static void sky(double visibility_m, const double from[3], const double ahead[3]
         const double right = start + (end - start) * bent;
         double through[3];
         for (int j = 0; j < 5; j++) {
-            const double t = 0.5 * (left + right) + 0.5 * (right - left) * node[j];
+            const double t = 0.5 * (left + right) + 0.5 * (right - left) * proof_node[j];
             double here[3], sunward[3], point[3];
             for (int i = 0; i < 3; i++) {
                 point[i] = from[i] + t * ahead[i];
             }
-            const double h = height_at(from, ahead, t);
+            const double h = proof_height_at(from, ahead, t);
             const double leave = end_of(point, sun, 0.0, &shaded);
             if (shaded) {
                 continue;
@@ -133,7 +117,7 @@ static void sky(double visibility_m, const double from[3], const double ahead[3]
             depths(visibility_m, from, ahead, left, t, here);
             depths(visibility_m, point, sun, 0.0, leave, sunward);
             for (int i = 0; i < 3; i++) {
-                out[i] += 0.5 * (right - left) * weight[j] * exp(-before[i] - here[i] - sunward[i]) *
+                out[i] += 0.5 * (right - left) * proof_weight[j] * exp(-before[i] - here[i] - sunward[i]) *
                           (rayleigh_1_m(h, i) * molecules + aerosol_1_m(h) * dust + haze_1_m(visibility_m, h) * haze);
             }
         }

@@ -2,7 +2,6 @@
  * plugin's geometry: heights are GeographicLib's. */
 #include <stddef.h>
 
-#include "core/geodesy.h"
 #include "proof.h"
 
 #define LAT_DEG 50.0
@@ -21,11 +20,7 @@ static void point_on(const ray *r, double t, double out[3]) {
 }
 
 static double height_at(const ray *r, double t) {
-    double point[3];
-    core_geodetic place;
-    point_on(r, t, point);
-    assert_true(core_geodetic_from_ecef(point, &place));
-    return place.height_m;
+    return proof_height_at(r->from, r->to, t);
 }
 
 /* Where the height crosses `level` between `low` and `high`, over which it only rises or only falls. */
@@ -41,11 +36,6 @@ static double crossing(const ray *r, double level, double low, double high) {
     }
     return 0.5 * (low + high);
 }
-
-/* Five-point Gauss-Legendre. */
-static const double node[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
-static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
-                                 0.2369268850561891};
 
 static double phase(double g, double cosine) {
     return (1.0 - g * g) / (4.0 * PROOF_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
@@ -99,14 +89,14 @@ static double over_planet(const slab_case *c, double thickness_m) {
         double share = (k + 1.0) / PANELS;
         double right = enter_m + (leave_m - enter_m) * share * share;
         for (int j = 0; j < 5; j++) {
-            double t = 0.5 * (left + right) + 0.5 * (right - left) * node[j];
+            double t = 0.5 * (left + right) + 0.5 * (right - left) * proof_node[j];
             ray sunward;
             point_on(&view, t, sunward.from);
             for (int i = 0; i < 3; i++) {
                 sunward.to[i] = sun[i];
             }
             double to_sun = crossing(&sunward, top_m, 0.0, 40.0 * (thick + 100.0) / fmax(c->mu0, 0.02));
-            sum += 0.5 * (right - left) * weight[j] * exp(-extinction * (t - enter_m + to_sun));
+            sum += 0.5 * (right - left) * proof_weight[j] * exp(-extinction * (t - enter_m + to_sun));
         }
         left = right;
     }

@@ -1,6 +1,6 @@
 /* The long proof of the reference, on demand, in pieces.
  *     velum-reference-proof [PART]... [--shared DIR] [--rows FIRST:LAST] [--error E] [--seconds N] [--suns N]
- * PART: radiance flux energy furnace reciprocity extinction first-order curvature; none: all. DIR (VELUM_SHARED) holds
+ * PART: radiance flux energy furnace reciprocity extinction first-order curvature air; none: all. DIR (VELUM_SHARED) holds
  * accuracy/slab_radiance.csv and slab_flux.csv. One line a figure; exit status 0 only if all hold,
  * 77 if tables are missing. */
 #include <stdarg.h>
@@ -8,12 +8,27 @@
 #include <string.h>
 #include <time.h>
 
+#include "core/geodesy.h"
 #include "proof.h"
 
 enum { PATHS_LEAST = 64, PATHS_MOST = 1024 };
 
 bool proof_wants(const proof *p, int row) {
     return row >= p->first && row <= p->last;
+}
+
+const double proof_node[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
+const double proof_weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
+                                0.2369268850561891};
+
+double proof_height_at(const double from[3], const double to[3], double t) {
+    double point[3];
+    core_geodetic place;
+    for (int i = 0; i < 3; i++) {
+        point[i] = from[i] + t * to[i];
+    }
+    assert_true(core_geodetic_from_ecef(point, &place));
+    return place.height_m;
 }
 
 double proof_now_s(void) {
