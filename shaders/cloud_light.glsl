@@ -128,7 +128,7 @@ const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
 const float storm_share = 0.85; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
 const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
-const float closed_from = 0.1, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
+const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float widened_share = 0.55, widened_loss = 0.21;
 
 struct ways_out {
@@ -181,40 +181,6 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
            (above * up + below * down + beside * flank) / (up + down + flank);
 }
 
-/* The same for a uniform layer, what the table is made for. `place_m`: how far beyond the sample the light comes
- * from. */
-vec3 sheet_source(cloud_hit hit, ray_phases phases, vec3 sun, float mu_sun, inout float place_m) {
-    velum_slot_fields f = hit.fields;
-    float g = eye.slots[hit.slot].optics.y;
-    float albedo = eye.slots[hit.slot].optics.x;
-    int which = hit.slot - VELUM_SLOT_UNIFORM;
-    velum_slab_span span = slab_span(hit);
-    velum_slab_light light = slab_light(hit, span, mu_sun);
-    float depth = f.extinction_1_m * span.inside_m;
-    vec3 above = ambient_over(f.top_m);
-    vec3 below = ambient_under(f.base_m);
-    float straight = 1.0 - eye.slots[hit.slot].optics.z; /* of what meets a drop */
-    float peak = straight / max(albedo, 1e-6);
-    scattering_rest rest = scattering_rest_of(g, peak, albedo);
-    vec3 source = vec3(0.0);
-    /* Two points of Gauss and Legendre over the light that the step takes. */
-    for (int i = 0; i < 2; ++i) {
-        float share = velum_slab_share(depth, i == 0 ? 0.21132487 : 0.78867513);
-        float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
-        h = STUDIED(study_at_point() ? hit.height_m : h, h);
-        float over = f.extinction_1_m * max(f.top_m - h, 0.0);
-        float under = f.extinction_1_m * max(h - f.base_m, 0.0);
-        vec2 sky = scattered_sky(which, over, under, -hit.rise);
-        float first = velum_scattering_first(phases.cos_sun, g, peak,
-                                             straight * over / max(mu_sun, 1e-3));
-        float later = scattered_sun(which, rest, over, under, mu_sun, -hit.rise, phases.cos_sun);
-        source += 0.5 * (sun * (albedo * light.direct * first + later) + above * sky.x + below * sky.y);
-    }
-    float seen_m = mix(span.from_m, span.to_m, light.place);
-    place_m = STUDIED(study_at_point() ? place_m : seen_m, seen_m);
-    return source;
-}
-
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its
  * lumps. */
 float closed_share(cloud_hit hit) {
@@ -222,24 +188,53 @@ float closed_share(cloud_hit hit) {
     return over * over * clamp((hit.profile.close - closed_from) / (closed_at - closed_from), 0.0, 1.0);
 }
 
-/* The same for cloud that has closed: by the tables of droplets or ice. */
-vec3 closed_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
+/* The same by a table (shared/scattering.h): of a uniform layer, what it is made for, or of cloud that has closed.
+ * `place_m`: how far beyond the sample the light of a uniform layer comes from. */
+vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth,
+                  inout float place_m) {
+    velum_slot_fields f = hit.fields;
+    bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     bool ice = hit.slot == VELUM_SLOT_HIGH;
-    int which = ice ? VELUM_SCATTERING_ICE : VELUM_SCATTERING_WATER;
+    vec4 optics = eye.slots[hit.slot].optics;
     velum_phase_lobes lobes = velum_phase_lobes_cloud(ice);
-    float straight = ice ? VELUM_SCATTERING_ICE_PEAK : VELUM_SCATTERING_WATER_PEAK;
-    scattering_rest rest =
-        scattering_rest(ice ? VELUM_SCATTERING_ICE_REST : VELUM_SCATTERING_WATER_REST, 1.0 - straight);
-    /* All of the peak is the first lobe's. */
-    float narrow = velum_scattering_first(phases.cos_sun, lobes.g_first, straight / (1.0 - lobes.weight_second),
-                                          straight * depth);
+    float g = uniform_layer ? optics.y : lobes.g_first;
+    float second = uniform_layer ? 0.0 : lobes.weight_second;
+    float albedo = uniform_layer ? optics.x : 1.0;
+    int which = uniform_layer ? hit.slot - VELUM_SLOT_UNIFORM : ice ? VELUM_SCATTERING_ICE : VELUM_SCATTERING_WATER;
+    /* Of what meets a drop, straight on; all of it is the first lobe's. */
+    float straight = uniform_layer ? 1.0 - optics.z : ice ? VELUM_SCATTERING_ICE_PEAK : VELUM_SCATTERING_WATER_PEAK;
+    float peak = straight / max(albedo * (1.0 - second), 1e-6);
+    float rest_g = uniform_layer ? velum_scattering_rest(g, peak)
+                   : ice         ? VELUM_SCATTERING_ICE_REST
+                                 : VELUM_SCATTERING_WATER_REST;
     float wide = velum_phase_draine(phases.cos_sun, lobes.g_second, lobes.alpha_second);
-    float first = mix(narrow, wide, lobes.weight_second) * exp(-rest.scale * depth);
-    float whole = ways.up + ways.down;
-    float over = min(depth * max(mu_sun, 0.0), whole);
-    float later = scattered_sun(which, rest, over, whole - over, mu_sun, -hit.rise, phases.cos_sun);
-    vec2 sky = scattered_sky(which, ways.up, ways.down, -hit.rise);
-    return sun * (first + later) + ambient_over(hit.fields.top_m) * sky.x + ambient_under(hit.fields.base_m) * sky.y;
+    velum_slab_span span = slab_span(hit);
+    velum_slab_light light = slab_light(hit, span, mu_sun);
+    light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
+    float inside = f.extinction_1_m * span.inside_m;
+    vec3 above = ambient_over(f.top_m);
+    vec3 below = ambient_under(f.base_m);
+    vec3 source = vec3(0.0);
+    /* Two points of Gauss and Legendre over the light that a step through a uniform layer takes. */
+    int points = uniform_layer ? 2 : 1;
+    for (int i = 0; i < points; ++i) {
+        float share = velum_slab_share(inside, i == 0 ? 0.21132487 : 0.78867513);
+        float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
+        h = STUDIED(study_at_point() ? hit.height_m : h, h);
+        float whole = ways.up + ways.down;
+        float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : min(depth * max(mu_sun, 0.0), whole);
+        float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : whole - over;
+        float along = uniform_layer ? over / max(mu_sun, 1e-3) : depth;
+        vec2 sky = scattered_sky(which, uniform_layer ? over : ways.up, uniform_layer ? under : ways.down, -hit.rise);
+        float narrow = velum_scattering_first(phases.cos_sun, g, peak, straight * along);
+        float first = mix(narrow, wide, second) * albedo * light.direct;
+        float later = scattered_sun(which, scattering_rest(rest_g, 1.0 - straight), over, under, mu_sun, -hit.rise,
+                                    phases.cos_sun);
+        source += sun * (first + later) + above * sky.x + below * sky.y;
+    }
+    float seen_m = mix(span.from_m, span.to_m, light.place);
+    place_m = uniform_layer ? STUDIED(study_at_point() ? place_m : seen_m, seen_m) : place_m;
+    return source / float(points);
 }
 
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
@@ -251,13 +246,11 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
                           sun_depth(hit, mu_sun, steps, start));
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
-    float closed = closed_share(hit);
-    for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
-        source = mix(source, closed_source(hit, phases, ways, sun, mu_sun, depth), closed);
-    }
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
-    for (int once = uniform_layer ? 0 : 1; once < 1; ++once) {
-        source = sheet_source(hit, phases, sun, mu_sun, place_m);
+    float closed = uniform_layer ? 1.0 : closed_share(hit);
+    for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
+        vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
+        source = uniform_layer ? tabled : mix(source, tabled, closed);
     }
 #ifdef VELUM_STUDY
     for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {

@@ -20,10 +20,6 @@ struct scattering_rest {
     float g, scale;
 };
 
-scattering_rest scattering_rest_of(float mean_cosine, float peak, float albedo) {
-    return scattering_rest(velum_scattering_rest(mean_cosine, peak), 1.0 - albedo * peak);
-}
-
 /* Source function by all orders but the first, for a sun of illuminance 1: optical depths out of the layer towards the
  * side of its normal and away from it; cosines of that normal with the sun and with the way of the light, and of the
  * angle by which light turns. */
