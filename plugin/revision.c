@@ -2,5 +2,4 @@
  * plugin's file: whatever was built when, it tells what made them. */
 #include "accuracy_revision.h"
 
-extern const char plugin_revision[];
-__attribute__((used)) const char plugin_revision[] = "velum reference revision " ACCURACY_REVISION;
+__attribute__((used)) static const char revision[] = "velum reference revision " ACCURACY_REVISION;

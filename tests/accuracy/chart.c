@@ -155,7 +155,7 @@ static void mark_fronts(chart *c) {
 
 int chart_run(program *p) {
     struct files_folder folder;
-    if (!files_prepare_folder(p->folder, &folder) || !chart_can_draw()) {
+    if (!chart_can_draw() || !files_prepare_folder(p->folder, &folder)) {
         return 1;
     }
     p->log = chart_create(p, "results.jsonl");

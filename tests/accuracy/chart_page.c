@@ -144,9 +144,8 @@ bool chart_write_page(const chart *c) {
     fprintf(file, "\nScene by scene, error %s:\n\n", p->by_pixel ? "of pixels" : "of means over 8 x 8");
     write_scenes(p, file);
     fprintf(file, "\nThe reference's noise: of means over 8 x 8, of pixels; its paths a pixel, from the variance of "
-                  "which the noise is "
-                  "known. ~: some reference's pixels are noisier than "
-                  "10 %%, and divide by their noise: errors of pixels are then too large.\n");
+                  "which the noise is known. ~: some reference's pixels are noisier than 10 %%, and divide by their "
+                  "noise: errors of pixels are then too large.\n");
     write_charts(c, file);
     fprintf(file,
             "\n## Published figures beside ours\n\nTheir works gave times on other machines and no errors: times are "

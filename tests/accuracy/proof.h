@@ -42,6 +42,8 @@ bool proof_wants(const proof *p, int row);
 double proof_now_s(void);
 /* Of the place at t along a direction, over the ellipsoid, by GeographicLib; ECEF. */
 double proof_height_at(const double from[3], const double to[3], double t);
+/* Henyey and Greenstein's function, in double precision. */
+double proof_phase(double g, double cosine);
 /* Five-point Gauss-Legendre, -1..1. */
 extern const double proof_node[5], proof_weight[5];
 

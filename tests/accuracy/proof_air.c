@@ -78,10 +78,6 @@ static void depths(double visibility_m, const double from[3], const double to[3]
     }
 }
 
-static double henyey_greenstein(double g, double cosine) {
-    return (1.0 - g * g) / (4.0 * PROOF_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
-}
-
 /* Luminance for a sun of illuminance 1 in each colour, over black ground. */
 static void sky(double visibility_m, const double from[3], const double ahead[3], const double sun[3], double out[3]) {
     enum { PANELS = 80 };
@@ -93,8 +89,8 @@ static void sky(double visibility_m, const double from[3], const double ahead[3]
     const double end = end_of(from, ahead, start, &ground);
     const double cosine = ahead[0] * sun[0] + ahead[1] * sun[1] + ahead[2] * sun[2];
     const double molecules = 3.0 / (16.0 * PROOF_PI) * (1.0 + cosine * cosine);
-    const double dust = henyey_greenstein((double)VELUM_AEROSOL_G, cosine);
-    const double haze = henyey_greenstein(HAZE_G, cosine);
+    const double dust = proof_phase((double)VELUM_AEROSOL_G, cosine);
+    const double haze = proof_phase(HAZE_G, cosine);
     double before[3] = {0.0}, left = start;
     out[0] = out[1] = out[2] = 0.0;
     for (int k = 0; k < PANELS; k++) {

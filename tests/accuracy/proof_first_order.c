@@ -37,10 +37,6 @@ static double crossing(const ray *r, double level, double low, double high) {
     return 0.5 * (low + high);
 }
 
-static double phase(double g, double cosine) {
-    return (1.0 - g * g) / (4.0 * PROOF_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
-}
-
 static double cosine_of(const slab_case *c) {
     return (c->up ? -1.0 : 1.0) * c->mu * c->mu0 +
            sqrt(fmax((1.0 - c->mu * c->mu) * (1.0 - c->mu0 * c->mu0), 0.0)) * cos(c->phi_deg * PROOF_PI / 180.0);
@@ -56,7 +52,7 @@ static double plane_parallel(const slab_case *c) {
     } else {
         factor = (exp(-c->tau / c->mu0) - exp(-c->tau / c->mu)) / (c->mu0 - c->mu);
     }
-    return PROOF_PI * c->albedo * phase(c->g, cosine_of(c)) * factor;
+    return PROOF_PI * c->albedo * proof_phase(c->g, cosine_of(c)) * factor;
 }
 
 /* The same over the planet. The eye stands and looks as slab_rig_measure has it; the ray crosses the layer once. */
@@ -100,7 +96,7 @@ static double over_planet(const slab_case *c, double thickness_m) {
         }
         left = right;
     }
-    return PROOF_PI / c->mu0 * c->albedo * extinction * phase(c->g, cosine) * sum;
+    return PROOF_PI / c->mu0 * c->albedo * extinction * proof_phase(c->g, cosine) * sum;
 }
 
 void proof_first_order(void **state) {

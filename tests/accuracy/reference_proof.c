@@ -1,8 +1,8 @@
 /* The long proof of the reference, on demand, in pieces.
  *     velum-reference-proof [PART]... [--shared DIR] [--rows FIRST:LAST] [--error E] [--seconds N] [--suns N]
- * PART: radiance flux energy furnace reciprocity extinction first-order curvature air; none: all. DIR (VELUM_SHARED) holds
- * accuracy/slab_radiance.csv and slab_flux.csv. One line a figure; exit status 0 only if all hold,
- * 77 if tables are missing. */
+ * PART: radiance flux energy furnace reciprocity extinction first-order curvature air; none: all. DIR (VELUM_SHARED)
+ * holds accuracy/slab_radiance.csv and slab_flux.csv. One line a figure; exit status 0 only if all hold, 77 if tables
+ * are missing. */
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +29,10 @@ double proof_height_at(const double from[3], const double to[3], double t) {
     }
     assert_true(core_geodetic_from_ecef(point, &place));
     return place.height_m;
+}
+
+double proof_phase(double g, double cosine) {
+    return (1.0 - g * g) / (4.0 * PROOF_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
 }
 
 double proof_now_s(void) {
