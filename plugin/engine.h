@@ -38,6 +38,9 @@ typedef enum pass {
     PASS_SKY,
     PASS_MARCH,
     PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
+    PASS_LIGHT,       /* of the places that rays have found, then for each ray */
+    PASS_LIGHT_MIXED,
+    PASS_GATHER,
     PASS_MARCH_STUDY, /* these two are made with the first eye that wants them */
     PASS_MARCH_STUDY_MIXED,
     PASS_RESOLVE,
@@ -236,6 +239,7 @@ struct view {
     uint64_t frame;    /* engine's count; 0: none */
     uint32_t ray_rate; /* of the newest frame */
     gpu_image march_light, march_distance;
+    gpu_buffer lit; /* of as many rays (shaders/lit.glsl): places, then their list */
     gpu_image history[2], history_data[2];
     uint32_t newest;  /* of history */
     uint32_t counter; /* frames since reset */
@@ -309,6 +313,14 @@ velum_result view_destroy(view *v);
 velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shadow **out);
 velum_result shadow_destroy(shadow *s);
 void objects_bury(engine *e); /* frees what the device has passed */
+
+/* view_images.c: what a view has of the device. */
+bool view_images_init(view *v);
+void view_images_finish(gpu *g, view *v);
+/* Room for so many rays; what is too small is buried. */
+bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h);
+/* Where the list of places begins in view.lit. */
+VkDeviceSize view_images_list_at(const view *v);
 
 /* record_*.c */
 velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_frame *eyes, uint32_t count,

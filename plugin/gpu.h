@@ -28,9 +28,11 @@
     X(CmdCopyBufferToImage)                                                                                            \
     X(CmdCopyImage)                                                                                                    \
     X(CmdDispatch)                                                                                                     \
+    X(CmdDispatchIndirect)                                                                                             \
     X(CmdFillBuffer)                                                                                                   \
     X(CmdPipelineBarrier2)                                                                                             \
     X(CmdResetQueryPool)                                                                                               \
+    X(CmdUpdateBuffer)                                                                                                 \
     X(CmdWriteTimestamp2)                                                                                              \
     X(CreateBuffer)                                                                                                    \
     X(CreateComputePipelines)                                                                                          \

@@ -29,13 +29,8 @@ static void free_eye(eye *y) {
 
 static void free_view(engine *e, view *v) {
     gpu *g = &e->g;
-    gpu_image_finish(g, &v->march_light);
-    gpu_image_finish(g, &v->march_distance);
+    view_images_finish(g, v);
     reference_finish(g, v);
-    for (uint32_t i = 0; i < 2; i++) {
-        gpu_image_finish(g, &v->history[i]);
-        gpu_image_finish(g, &v->history_data[i]);
-    }
     free(v);
 }
 
@@ -160,25 +155,6 @@ static uint64_t bytes_of(const gpu_image *image) {
     return image->allocation.size;
 }
 
-static bool init_view_images(view *v) {
-    gpu *g = &v->eye->e->g;
-    if (v->eye->quality == VELUM_QUALITY_REFERENCE) {
-        return reference_init(v);
-    }
-    /* Rays of one in 16 pixels; a plan that asks for more makes these images grow (record_view.c). */
-    uint32_t w = (v->width + PATH_BLOCK - 1) / PATH_BLOCK;
-    uint32_t h = (v->height + PATH_BLOCK - 1) / PATH_BLOCK;
-    bool ok = init_storage_2d(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
-              init_storage_2d(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h);
-    v->bytes = bytes_of(&v->march_light) + bytes_of(&v->march_distance);
-    for (uint32_t i = 0; ok && i < 2; i++) {
-        ok = init_storage_2d(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
-             init_storage_2d(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
-        v->bytes += bytes_of(&v->history[i]) + bytes_of(&v->history_data[i]);
-    }
-    return ok;
-}
-
 velum_result view_create(eye *y, const velum_view_desc *desc, velum_view **out) {
     engine *e = y->e;
     checker check = {&e->sink, "eye", "create_view", VELUM_OK};
@@ -198,7 +174,7 @@ velum_result view_create(eye *y, const velum_view_desc *desc, velum_view **out) 
     v->width = d.width;
     v->height = d.height;
     strncpy(v->name, d.name && d.name[0] ? d.name : "view", sizeof v->name - 1);
-    if (!init_view_images(v)) {
+    if (!view_images_init(v)) {
         free_view(e, v);
         return gpu_result(&e->g);
     }

@@ -7,7 +7,9 @@
 
 /* After the headers: they need uint32_t. */
 #include "air.spv.h"
+#include "gather.spv.h"
 #include "glow.spv.h"
+#include "light.spv.h"
 #include "march.spv.h"
 #include "march_study.spv.h"
 #include "reference.spv.h"
@@ -122,6 +124,9 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     switch (which) {
     case PASS_MARCH:
     case PASS_MARCH_MIXED:
+    case PASS_LIGHT:
+    case PASS_LIGHT_MIXED:
+    case PASS_GATHER:
     case PASS_MARCH_STUDY:
     case PASS_MARCH_STUDY_MIXED:
     case PASS_RESOLVE:
@@ -159,6 +164,9 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
+        [PASS_LIGHT_MIXED] = {velum_light_spv, sizeof velum_light_spv},
+        [PASS_GATHER] = {velum_gather_spv, sizeof velum_gather_spv},
         [PASS_MARCH_STUDY] = {velum_march_study_spv, sizeof velum_march_study_spv},
         [PASS_MARCH_STUDY_MIXED] = {velum_march_study_spv, sizeof velum_march_study_spv},
         [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
@@ -197,9 +205,9 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
 }
 
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
-    const variant values = {.more = which == PASS_MARCH_MIXED || which == PASS_MARCH_STUDY_MIXED ||
-                                    which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
-                                    which == PASS_RESOLVE_LAYERED_GROUND,
+    const variant values = {.more = which == PASS_MARCH_MIXED || which == PASS_LIGHT_MIXED ||
+                                    which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
+                                    which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND,
                             .lanes = pipelines_reference_lanes(g)};
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
@@ -225,7 +233,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T};
-    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};
     bool known = blob_is_ours(g, blob, blob_size);
@@ -269,8 +277,8 @@ velum_result pipelines_add_study(pipelines *p, gpu *g) {
 velum_result pipelines_add_reference(pipelines *p, gpu *g) {
     /* By the numbers of shared/reference.h and of VELUM_BIND_*: view, paths, pixels, bounds, noise, variance, error;
      * two that nothing uses; luminance, transmittance, distance, depth, counters. */
-    static const int types[VELUM_BIND_VIEW_COUNT] = {U, B, B, B, B, I, B, B, B, I, I, I, T, B};
-    bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_VIEW_COUNT, &p->set_reference);
+    static const int types[VELUM_BIND_REFERENCE_COUNT] = {U, B, B, B, B, I, B, B, B, I, I, I, T, B};
+    bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_REFERENCE_COUNT, &p->set_reference);
     const VkDescriptorSetLayout sets[2] = {p->set_engine, p->set_reference};
     ok = ok && (p->layout_reference || create_layout(g, sets, 2, &p->layout_reference));
     for (uint32_t i = PASS_REFERENCE_RESOLVE; ok && i < PASS_COUNT; i++) {

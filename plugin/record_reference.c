@@ -254,14 +254,14 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
     }
     const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
     VkImageView nothing = images->layers ? e->nothing_layered.view : e->nothing.view;
-    const VkDescriptorImageInfo image[VELUM_BIND_VIEW_COUNT] = {
+    const VkDescriptorImageInfo image[VELUM_BIND_REFERENCE_COUNT] = {
         [VELUM_BIND_REFERENCE_OUT_VARIANCE] = {VK_NULL_HANDLE, images->variance ? images->variance : nothing, general},
         [VELUM_BIND_OUT_LUMINANCE] = {VK_NULL_HANDLE, images->luminance, general},
         [VELUM_BIND_OUT_TRANSMITTANCE] = {VK_NULL_HANDLE, images->transmittance, general},
         [VELUM_BIND_OUT_DISTANCE] = {VK_NULL_HANDLE, images->distance ? images->distance : nothing, general},
         [VELUM_BIND_DEPTH] = {p->nearest, images->depth ? images->depth : e->air.view,
                               images->depth ? images->depth_layout : general}};
-    const VkDescriptorBufferInfo buffer[VELUM_BIND_VIEW_COUNT] = {
+    const VkDescriptorBufferInfo buffer[VELUM_BIND_REFERENCE_COUNT] = {
         [VELUM_BIND_VIEW] = {e->uniforms.buffer, 0, sizeof(velum_view_block)},
         [VELUM_BIND_REFERENCE_PATHS] = {r->paths.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_PIXELS] = {r->pixels.buffer, 0, VK_WHOLE_SIZE},
@@ -270,9 +270,9 @@ static bool write_set(engine *e, const view *v, const velum_vulkan_images *image
         [VELUM_BIND_REFERENCE_LANES] = {r->lanes.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_REFERENCE_ERROR] = {r->slice_words.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 4 * VELUM_COUNTER_WORDS}};
-    VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
+    VkWriteDescriptorSet writes[VELUM_BIND_REFERENCE_COUNT];
     uint32_t count = 0;
-    for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
+    for (uint32_t i = 0; i < VELUM_BIND_REFERENCE_COUNT; i++) {
         bool is_buffer = buffer[i].buffer != VK_NULL_HANDLE;
         if (!is_buffer && !image[i].imageView) {
             continue;

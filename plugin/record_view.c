@@ -19,11 +19,11 @@ static const uint8_t order_4[4] = {0, 3, 1, 2};
 #define REPEATS_MOST 16
 #define EYE_REACH_M 10000.0
 
-/* Van der Corput's sequence in base 2 (1935). */
-static float radical_inverse(uint32_t i) {
+/* Van der Corput's sequence (1935); bases without a common divisor fill the square (Halton 1960). */
+static float radical_inverse(uint32_t base, uint32_t i) {
     double x = 0.0;
-    for (double digit = 0.5; i > 0; i >>= 1, digit *= 0.5) {
-        x += (i & 1u) ? digit : 0.0;
+    for (double digit = 1.0 / base; i > 0; i /= base, digit /= base) {
+        x += (i % base) * digit;
     }
     return (float)x;
 }
@@ -285,6 +285,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     const block_size side = block_of(plan->ray_rate);
     const uint32_t turns = side.w * side.h;
     const uint32_t counter = history->counter;
+    const uint32_t round = (counter - history->settled) / turns;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
     const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
                                     counter};
@@ -298,7 +299,8 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
     memcpy(out->frame, frame, sizeof frame);
-    const uint32_t turn[4] = {cell % side.w, cell / side.w, side.w > side.h, 0};
+    const uint32_t turn[4] = {cell % side.w, cell / side.w, side.w > side.h,
+                              (uint32_t)(65536.0f * radical_inverse(3, round))};
     memcpy(out->turn, turn, sizeof turn);
     out->room[0] = (float)v->march_light.extent.width;
     out->room[1] = (float)v->march_light.extent.height;
@@ -308,7 +310,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;
     /* In the middle of the step at first, then through all of it. */
-    out->march[3] = fmodf(0.5f + radical_inverse((counter - history->settled) / turns), 1.0f);
+    out->march[3] = fmodf(0.5f + radical_inverse(2, round), 1.0f);
     const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, side.h};
     memcpy(out->steps, steps, sizeof steps);
     fill_study(plan, out);
@@ -337,8 +339,12 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_OUT_DISTANCE] = {VK_NULL_HANDLE, images->distance ? images->distance : no_distance, general},
         [VELUM_BIND_DEPTH] = {p->nearest, images->depth ? images->depth : e->air.view,
                               images->depth ? images->depth_layout : general}};
-    const VkDescriptorBufferInfo block = {e->uniforms.buffer, 0, sizeof(velum_view_block)};
-    const VkDescriptorBufferInfo counters = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 16};
+    const VkDeviceSize list_at = view_images_list_at(v);
+    const VkDescriptorBufferInfo buffers[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_VIEW] = {e->uniforms.buffer, 0, sizeof(velum_view_block)},
+        [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 16},
+        [VELUM_BIND_LIT] = {v->lit.buffer, 0, list_at},
+        [VELUM_BIND_LIT_LIST] = {v->lit.buffer, list_at, VK_WHOLE_SIZE}};
     static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
         [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
         [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -353,58 +359,21 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_OUT_TRANSMITTANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
         [VELUM_BIND_OUT_DISTANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
         [VELUM_BIND_DEPTH] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-        [VELUM_BIND_COUNTERS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        [VELUM_BIND_COUNTERS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        [VELUM_BIND_LIT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        [VELUM_BIND_LIT_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
-        bool is_buffer = i == VELUM_BIND_VIEW || i == VELUM_BIND_COUNTERS;
+        bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;
         writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                            .dstSet = *out,
                                            .dstBinding = i,
                                            .descriptorCount = 1,
                                            .descriptorType = types[i],
                                            .pImageInfo = is_buffer ? NULL : &info[i],
-                                           .pBufferInfo = !is_buffer             ? NULL
-                                                          : i == VELUM_BIND_VIEW ? &block
-                                                                                 : &counters};
+                                           .pBufferInfo = is_buffer ? &buffers[i] : NULL};
     }
     e->g.UpdateDescriptorSets(e->g.device, VELUM_BIND_VIEW_COUNT, writes, 0, NULL);
-    return true;
-}
-
-/* March images for more rays than they have room for; the old ones are buried. */
-static bool grow_march(view *v, block_size side) {
-    engine *e = v->eye->e;
-    uint32_t w = (v->width + side.w - 1) / side.w;
-    uint32_t h = (v->height + side.h - 1) / side.h;
-    if (w <= v->march_light.extent.width && h <= v->march_light.extent.height) {
-        return true;
-    }
-    view *grave = calloc(1, sizeof *grave);
-    gpu_image_desc desc = {.format = VK_FORMAT_R16G16B16A16_SFLOAT,
-                           .type = VK_IMAGE_TYPE_2D,
-                           .view_type = VK_IMAGE_VIEW_TYPE_2D,
-                           .extent = {w, h, 1},
-                           .layers = 1,
-                           .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    gpu_image light = {0};
-    gpu_image distance = {0};
-    bool ok = grave && gpu_image_init(&e->g, &light, &desc);
-    desc.format = VK_FORMAT_R32_SFLOAT;
-    ok = ok && gpu_image_init(&e->g, &distance, &desc);
-    if (!ok) {
-        gpu_image_finish(&e->g, &light);
-        free(grave);
-        return false;
-    }
-    v->bytes += light.allocation.size + distance.allocation.size - v->march_light.allocation.size -
-                v->march_distance.allocation.size;
-    grave->march_light = v->march_light;
-    grave->march_distance = v->march_distance;
-    grave->last_serial = v->last_serial;
-    grave->next = e->dead_views;
-    e->dead_views = grave;
-    v->march_light = light;
-    v->march_distance = distance;
     return true;
 }
 
@@ -440,6 +409,30 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
     return true;
 }
 
+/* Rays; the light of the places that they have found; both together. Studies light as they go. */
+static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block) {
+    engine *e = v->eye->e;
+    gpu *g = &e->g;
+    const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
+                                  VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    bool study = plan_is_study(&v->eye->plan);
+    bool mix = blocks_mix(e);
+    pass march = study ? (mix ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_STUDY) : mix ? PASS_MARCH_MIXED : PASS_MARCH;
+    record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
+    if (study) {
+        return;
+    }
+    gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
+    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
+                       e->passes.pipeline[mix ? PASS_LIGHT_MIXED : PASS_LIGHT]);
+    g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
+    gpu_barrier(g, commands, compute, write, compute, access);
+    record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);
+}
+
 static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered,
                           uint32_t counter, uint32_t query) {
     engine *e = v->eye->e;
@@ -449,19 +442,18 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkDeviceSize at = (VkDeviceSize)counter * COUNTER_STRIDE;
     /* The frame before read what is written now. */
-    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT, write,
+    gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, write,
                 compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
+    const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0};
+    g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof no_places, no_places);
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
     bool ground = (block->frame[1] & VELUM_VIEW_BLOCK_GROUND) != 0;
     pass resolve = layered ? (ground ? PASS_RESOLVE_LAYERED_GROUND : PASS_RESOLVE_LAYERED)
                            : (ground ? PASS_RESOLVE_GROUND : PASS_RESOLVE);
-    bool study = plan_is_study(&v->eye->plan);
-    pass march =
-        blocks_mix(e) ? (study ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_MIXED) : (study ? PASS_MARCH_STUDY : PASS_MARCH);
-    record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
+    record_march(v, commands, block);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
@@ -505,7 +497,8 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    if (!grow_march(v, block_of(ray_rate))) {
+    const block_size side = block_of(ray_rate);
+    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);

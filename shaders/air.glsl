@@ -297,6 +297,12 @@ vec3 sky_luminance(vec3 d, bool to_ground) {
     return textureLod(sky_table, texel, 0.0).rgb * VELUM_LUMINANCE_UNIT;
 }
 
+/* Light of cloud so far away, and of the air before it: it dims, and shines in the share that the cloud covers. */
+vec3 air_before_cloud(vec3 o, vec3 d, vec3 light, float through, float distance_m, bool any) {
+    air_light air = air_march(o, d, max(distance_m, 1.0), any ? 6 : 0, true);
+    return any && eye.ground.w != 0.0 ? light * air.transmittance + air.luminance * (1.0 - through) : light;
+}
+
 /* Mean luminance of the upper (below: the lower) half of the world as seen from a height, by levels as in
  * shared/shade.h. */
 vec3 ambient_of(float level, bool below) {

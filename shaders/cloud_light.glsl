@@ -25,7 +25,7 @@ ray_phases ray_phases_of(float cos_sun) {
     return phases;
 }
 
-/* What the search found. */
+/* Cloud of a slot at a point. */
 struct cloud_hit {
     int slot;
     velum_slot_fields fields;
@@ -33,13 +33,61 @@ struct cloud_hit {
     float excess;
     float margin; /* velum_margin */
     float extinction_1_m;
+    float height_fraction; /* of the layer */
+    bool within, covered;  /* the layer; a cloud's column, in it */
     vec3 r;
     vec3 normal;
-    float height_m;
+    float height_m; /* of the light's place */
     float at_h_m, rise;       /* of the sample: height; metres that the ray gains a metre */
     float before_m, after_m; /* of the step, about the sample */
     tile_place tile;
 };
+
+velum_slab_span slab_span(cloud_hit hit) {
+    return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
+}
+
+/* Fields, profile and extinction where slot, place, tile and step are known. `looking` false: nothing is there;
+ * `base`: the shape without lumps and detail. */
+void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) {
+    int slot = hit.slot;
+    velum_slot_fields f = slot_fields(hit.tile, slot, looking);
+    bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
+    float over_m = hit.at_h_m - f.base_m;
+    float z = over_m / max(f.top_m - f.base_m, 1.0);
+    bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
+    velum_profile profile = velum_profile_of(slot, f);
+    float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
+    bool covered = within && e > 0.0;
+    /* Loops that run once or not at all: what no lane of a software device needs, none pays for. */
+    float lump = base ? 1.0 : 0.0;
+    float fine = base ? 1.0 : 0.5;
+    for (int once = covered && !base ? 0 : 1; once < 1; ++once) {
+        lump = lump_noise(slot, f, hit.r);
+    }
+    for (int once = covered && !base && velum_shows_fine(distance_m, eye.slots[slot].fine_0.w) ? 0 : 1; once < 1;
+         ++once) {
+        fine = fine_noise(slot, f, hit.r);
+    }
+    z = clamp(z, 0.0, 1.0);
+    hit.fields = f;
+    hit.profile = profile;
+    hit.excess = e;
+    hit.margin = velum_margin(profile, e, z, lump, fine);
+    hit.height_fraction = z;
+    hit.within = within;
+    hit.covered = covered;
+    hit.height_m = uniform_layer ? clamp(hit.at_h_m, f.base_m, f.top_m) : hit.at_h_m;
+    float body = velum_body(profile, e, z, over_m, lump, fine);
+    hit.extinction_1_m = covered && !uniform_layer ? f.extinction_1_m * body : 0.0;
+#ifdef VELUM_STUDY
+    hit.extinction_1_m = study_thinned(hit.extinction_1_m, f.extinction_1_m);
+#endif
+    /* Sharp faces: the share of the step that lies within them. */
+    for (int once = uniform_layer && looking && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
+        hit.extinction_1_m = f.extinction_1_m * slab_span(hit).inside_m / (hit.before_m + hit.after_m);
+    }
+}
 
 /* How far sun_depth looks. */
 float sun_reach_m(velum_slot_fields f, float height_m, float mu_sun) {
@@ -96,10 +144,6 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     return depth * f.extinction_1_m;
 }
 
-velum_slab_span slab_span(cloud_hit hit) {
-    return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
-}
-
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
 velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
     velum_slot_fields f = hit.fields;
@@ -147,7 +191,7 @@ ways_out ways_out_of(cloud_hit hit) {
     ways.up = column * clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
     ways.down = column * z;
     /* About a tenth of the noise's period from hem to heart. */
-    ways.flank = inner * hit.margin * 0.09 / eye.slots[hit.slot].shape_0.w;
+    ways.flank = inner * max(hit.margin, 0.0) * 0.09 / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
 

@@ -1,12 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-/* One ray for each block of pixels: light of cloud and of the air before it, transmittance of cloud, mean distance. */
+/* One ray for each block of pixels: transmittance of cloud, its mean distance, and the places of it that get light
+ * (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
 #include "air.glsl"
 #include "view.glsl"
 #include "weather.glsl"
 #include "study.glsl"
 #include "cloud_light.glsl"
+#include "lit.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -22,7 +24,11 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+#ifdef VELUM_STUDY
 const float dim = 0.3;
+#endif
+/* Share of a ray's opacity that gets light from one place of it, in cloud with noise: finer ones gain nothing. */
+const float lit_part = 0.5;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -52,9 +58,8 @@ void main() {
     if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
         return;
     }
-    ivec2 side = ray_block_size();
-    ivec2 pixel = min(block * side + ray_turn(block.y), ivec2(view.size.xy) - 1);
-    view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
+    ivec2 pixel = ray_pixel(block);
+    view_ray ray = ray_of_pixel(pixel);
 
     float end = view.march.z;
     float solid = host_distance(pixel, ray);
@@ -74,20 +79,15 @@ void main() {
         position = max(position, hollow.leave_m);
     }
 
-    ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
-
-    vec3 light = vec3(0.0);
     float through = 1.0;
     float weighted = 0.0;
     float weight = 0.0;
     uint samples = 0u;
-    uint light_samples = 0u;
     bool missing = false;
     tile_place tile = tile_nowhere();
 
-    /* Steps tile the ray; each is sampled at the same share of its length, another for each pixel and each round of
-     * frames, in quarters: after four rounds all pixels, of whatever channel, have had the same. */
-    float offset = fract(view.march.w + float((pixel.x + 2 * pixel.y) & 3) * 0.25);
+    /* Steps tile the ray; each is sampled at the same share of its length. */
+    float offset = step_offset(pixel);
     float dt_min = view.march.x;
     float growth = view.march.y;
     int left = int(view.steps.x);
@@ -96,8 +96,18 @@ void main() {
     bool alive = position < end && eye.table.z != 0u;
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
+#ifdef VELUM_STUDY
+    ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
+    vec3 light = vec3(0.0);
     vec3 source = vec3(0.0);
-    bool lit = false;
+    uint light_samples = 0u;
+    bool is_lit = false;
+#else
+    uint first_place = lit_first(block);
+    uint places = 0u;
+    vec4 place = vec4(0.0); /* the newest: see lit.glsl */
+    float pick = pick_offset(pixel);
+#endif
     float short_until = 0.0;
     float longest = 1.0e9; /* long step, by the layers last met */
     float allowed = 1.0e9; /* by those that this step meets */
@@ -115,9 +125,9 @@ void main() {
         dt = min(dt, end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
-        velum_place place = place_of(r);
-        vec3 normal = vec3(place.nx, place.ny, place.nz);
-        float h = place.height_m;
+        velum_place here = place_of(r);
+        vec3 normal = vec3(here.nx, here.ny, here.nz);
+        float h = here.height_m;
         float rise = dot(normal, ray.direction);
         float h0 = h - rise * dt * offset;
         float h1 = h + rise * dt * (1.0 - offset);
@@ -148,45 +158,21 @@ void main() {
         done |= looking ? 1u << uint(slot) : 0u;
         meets &= ~(1u << uint(slot));
 
-        velum_slot_fields f = slot_fields(tile, slot, looking);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
-        float thickness = max(f.top_m - f.base_m, 1.0);
-        float z = (h - f.base_m) / thickness;
-        bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
-        velum_profile profile = velum_profile_of(slot, f);
-        float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-        /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
-        float lump = STUDIED(study_base(is_short) ? 1.0 : 0.0, 0.0);
-        float fine = STUDIED(study_base(is_short) ? 1.0 : 0.5, 0.5);
-        bool covered = within && e > 0.0;
-        for (int once = STUDIED(covered && !study_base(is_short), covered) ? 0 : 1; once < 1; ++once) {
-            lump = lump_noise(slot, f, r);
-        }
-        for (int once = STUDIED(covered && !study_base(is_short), covered) &&
-                                velum_shows_fine(at, eye.slots[slot].fine_0.w)
-                            ? 0
-                            : 1;
-             once < 1; ++once) {
-            fine = fine_noise(slot, f, r);
-        }
-        float margin = velum_margin(profile, e, clamp(z, 0.0, 1.0), lump, fine);
-        float body = velum_body(profile, e, clamp(z, 0.0, 1.0), h - f.base_m, lump, fine);
-        float extinction = within && e > 0.0 ? f.extinction_1_m * body : 0.0;
-#ifdef VELUM_STUDY
-        extinction = study_thinned(extinction, f.extinction_1_m);
-#endif
-        samples += within ? 1u : 0u;
-        /* Sharp faces: the share of the step that lies within them. */
-        hit.fields = f;
+        hit.slot = slot;
         hit.tile = tile;
+        hit.r = r;
+        hit.normal = normal;
         hit.at_h_m = h;
         hit.rise = rise;
         hit.before_m = dt * offset;
         hit.after_m = dt - hit.before_m;
-        extinction = uniform_layer ? 0.0 : extinction;
-        for (int once = uniform_layer && looking && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
-            extinction = f.extinction_1_m * slab_span(hit).inside_m / dt;
-        }
+        cloud_look(hit, looking, at, STUDIED(study_base(is_short), false));
+        velum_slot_fields f = hit.fields;
+        float extinction = hit.extinction_1_m;
+        bool within = hit.within;
+        bool covered = hit.covered;
+        samples += within ? 1u : 0u;
 
         /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
@@ -197,24 +183,17 @@ void main() {
             reach_m = tile_reach_m(tile, normal, ray.direction);
         }
         advance = clear_tile ? min(advance, reach_m.x) : advance;
-        float gap = min(max(-e, 0.0) * f.coverage * 0.05 * period_m, texel_m);
-        float clear = covered ? min(max(-margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
+        float gap = min(max(-hit.excess, 0.0) * f.coverage * 0.05 * period_m, texel_m);
+        float clear = covered ? min(max(-hit.margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
         float own = f.coverage <= 0.0 ? reach_m.y : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
-        hit.slot = slot;
-        hit.profile = profile;
-        hit.excess = e;
-        hit.margin = max(margin, 0.0);
-        hit.r = r;
-        hit.normal = normal;
-        hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
         float start_m = position;
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
-        float layer_m = max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min);
+        float layer_m = max(layer_share * max(f.top_m - f.base_m, 1.0) / max(abs(rise), 1.0e-3), dt_min);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < f.top_m && high > f.base_m;
@@ -242,24 +221,41 @@ void main() {
             advance = 1.0e9;
             done = 0u;
         }
-        hit.extinction_1_m = found ? extinction : 0.0;
+        extinction = found ? extinction : 0.0;
         alive = position < end && left > 0;
 
+        float depth = extinction * max(min(dt, end - start_m), 0.0);
+        float step_t = exp(-depth);
+        float alpha = through * velum_opacity(depth, step_t);
+#ifdef VELUM_STUDY
         /* Behind most of the cloud's opacity the light found last will do. */
-        bool shows = STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim);
-        bool wanted = hit.extinction_1_m > 0.0 && (shows || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
-        int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
+        bool shows = study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim;
+        bool wanted = extinction > 0.0 && (shows || !is_lit || uniform_layer);
+        int light_steps = wanted ? study_sun_steps(int(view.steps.y)) : 0;
         light_samples += uint(light_steps);
         float place_m = 0.0;
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
             source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
         }
-        lit = lit || wanted;
-        float depth = hit.extinction_1_m * max(min(dt, end - start_m), 0.0);
-        float step_t = exp(-depth);
-        float alpha = through * velum_opacity(depth, step_t);
-        light += STUDIED(study_share(through, depth), alpha) * source;
+        is_lit = is_lit || wanted;
+        light += study_share(through, depth) * source;
         weighted += alpha * min(at + place_m, end);
+#else
+        /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
+        float part = uniform_layer ? 1.0 / float(VELUM_LIT_PLACES) : lit_part;
+        bool opens = alpha > 0.0 && (places == 0u || (places < uint(VELUM_LIT_PLACES) &&
+                                                      (float(slot) != place.w || through < 1.0 - float(places) * part)));
+        for (int once = opens && places > 0u ? 0 : 1; once < 1; ++once) {
+            lit[first_place + places - 1u] = place;
+        }
+        places += opens ? 1u : 0u;
+        place.z = (opens ? 0.0 : place.z) + alpha;
+        float share = alpha / max(place.z, 1.0e-20);
+        bool takes = alpha > 0.0 && pick < share;
+        pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        place.xyw = takes ? vec3(at, dt, float(slot)) : place.xyw;
+        weighted += alpha * at;
+#endif
         weight += alpha;
         through *= step_t;
         if (through < STUDIED(view.study_limits.z, opaque)) {
@@ -269,22 +265,41 @@ void main() {
     }
 
     float distance_m = weight > 1.0e-4 ? weighted / weight : 0.0;
-    /* Air before the cloud: it dims, and shines in the share that the cloud covers. */
-    air_light air = air_march(ray.origin, ray.direction, max(distance_m, 1.0), weight > 0.0 ? 6 : 0, true);
-    if (weight > 0.0 && eye.ground.w != 0.0) {
-        light = light * air.transmittance + air.luminance * (1.0 - through);
-    }
+#ifdef VELUM_STUDY
+    light = air_before_cloud(ray.origin, ray.direction, light, through, distance_m, weight > 0.0);
     imageStore(light_out, block, vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), through));
+#else
+    if (places > 0u) {
+        lit[first_place + places - 1u] = place;
+    }
+    imageStore(light_out, block, vec4(float(places), weight, 0.0, through));
+    uint before = subgroupExclusiveAdd(places);
+    uint all = subgroupAdd(places);
+    uint list_first = 0u;
+    if (subgroupElect()) {
+        list_first = atomicAdd(lit_count, all);
+        uint groups = (list_first + all + VELUM_GROUP * VELUM_GROUP - 1u) / (VELUM_GROUP * VELUM_GROUP);
+        atomicMax(lit_rows, (groups + lit_columns - 1u) / lit_columns);
+    }
+    list_first = subgroupMax(list_first) + before;
+    for (uint i = 0u; i < places; ++i) {
+        lit_list[list_first + i] = first_place + i;
+    }
+#endif
     imageStore(distance_out, block, vec4(distance_m));
 
     uint rays = subgroupAdd(1u);
     samples = subgroupAdd(samples);
-    light_samples = subgroupAdd(light_samples);
     uint misses = subgroupAdd(missing ? 1u : 0u);
+#ifdef VELUM_STUDY
+    light_samples = subgroupAdd(light_samples);
+#endif
     if (subgroupElect()) {
         atomicAdd(counters[0], rays);
         atomicAdd(counters[1], samples);
+#ifdef VELUM_STUDY
         atomicAdd(counters[2], light_samples);
+#endif
         atomicAdd(counters[3], misses);
     }
 }

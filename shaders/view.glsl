@@ -64,6 +64,25 @@ view_ray view_ray_at(vec2 pixel) {
     return ray;
 }
 
+/* The pixel of a block that has the ray in this frame. */
+ivec2 ray_pixel(ivec2 block) {
+    return min(block * ray_block_size() + ray_turn(block.y), ivec2(view.size.xy) - 1);
+}
+view_ray ray_of_pixel(ivec2 pixel) {
+    return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
+}
+
+/* Share of its length at which a step is sampled: another for each pixel and each round of frames, in quarters. After
+ * four rounds all pixels, of whatever channel, have had the same. */
+float step_offset(ivec2 pixel) {
+    return fract(view.march.w + float((pixel.x + 2 * pixel.y) & 3) * 0.25);
+}
+
+/* The same for what is drawn from among a ray's samples. */
+float pick_offset(ivec2 pixel) {
+    return fract(float(view.turn.w) / 65536.0 + float((2 * pixel.x + pixel.y) & 3) * 0.25);
+}
+
 /* Distance along the ray to what the host has drawn, or a negative number. */
 float host_distance(ivec2 pixel, view_ray ray) {
     if (!view_flag(VELUM_VIEW_BLOCK_DEPTH)) {

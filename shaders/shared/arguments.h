@@ -45,7 +45,7 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(sun);     /* unit, ECEF, towards; cosine of the angular radius */
     VELUM_VEC4(sun_lx);  /* at the top of the atmosphere; angular radius rad */
     VELUM_VEC4(ground);  /* albedo; 1: air, 0: none */
-    VELUM_VEC4(span);  /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
+    VELUM_VEC4(span); /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
     VELUM_VEC4S(shades, VELUM_SHADE_LEVELS); /* velum_shade: mean light of clouds over the eye's place, by height */
     velum_slot_block slots[VELUM_SLOT_COUNT];
 };
@@ -77,7 +77,8 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(frame);      /* pixel of the block this frame (index 0..15); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);       /* first step m, growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
-    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; 0 */
+    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; what
+                                is drawn from a ray's samples in this frame, 0..65535 */
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
@@ -137,7 +138,10 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_OUT_DISTANCE 11 /* R32F, or a dummy */
 #define VELUM_BIND_DEPTH 12        /* sampler2D, or a dummy */
 #define VELUM_BIND_COUNTERS 13     /* storage: uint rays, samples, light samples, missing tiles */
-#define VELUM_BIND_VIEW_COUNT 14
+#define VELUM_BIND_REFERENCE_COUNT 14
+#define VELUM_BIND_LIT 14      /* storage: velum_lit_head, then places of rays that get light (lit.glsl) */
+#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are */
+#define VELUM_BIND_VIEW_COUNT 16
 
 /* Set 1 of the shadow pass. */
 #define VELUM_BIND_SHADOW_LEVEL 0 /* uniform velum_shadow_level_block, dynamic offset */
@@ -154,5 +158,12 @@ VELUM_STRUCT(velum_shadow_level_block) {
 
 /* Work groups. */
 #define VELUM_GROUP 8 /* x and y of every 2D pass */
+
+/* Places of a ray at which cloud's light is found, at most; bytes of one; of the dispatch and the count before them. */
+#define VELUM_LIT_PLACES 4
+#define VELUM_LIT_BYTES 16
+#define VELUM_LIT_HEAD_BYTES 16
+/* Columns of light.comp's dispatch; rows as many as it takes. */
+#define VELUM_LIT_COLUMNS 16
 
 #endif

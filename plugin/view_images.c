@@ -1,0 +1,92 @@
+/* Images and buffers of a view: its rays, its history. */
+#include <stdlib.h>
+
+#include "engine.h"
+
+static bool init_storage(gpu *g, gpu_image *image, VkFormat format, uint32_t width, uint32_t height) {
+    const gpu_image_desc desc = {.format = format,
+                                 .type = VK_IMAGE_TYPE_2D,
+                                 .view_type = VK_IMAGE_VIEW_TYPE_2D,
+                                 .extent = {width, height, 1},
+                                 .layers = 1,
+                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    return gpu_image_init(g, image, &desc);
+}
+
+static VkDeviceSize list_at(uint32_t rays_w, uint32_t rays_h) {
+    const VkDeviceSize step = 256; /* storage buffers' offsets are multiples of at most this (Vulkan 1.3, limits) */
+    const VkDeviceSize bytes =
+        VELUM_LIT_HEAD_BYTES + (VkDeviceSize)rays_w * rays_h * VELUM_LIT_PLACES * VELUM_LIT_BYTES;
+    return (bytes + step - 1) / step * step;
+}
+
+VkDeviceSize view_images_list_at(const view *v) {
+    return list_at(v->march_light.extent.width, v->march_light.extent.height);
+}
+
+static void finish_rays(gpu *g, view *v) {
+    v->bytes -= v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+    gpu_image_finish(g, &v->march_light);
+    gpu_image_finish(g, &v->march_distance);
+    gpu_buffer_finish(g, &v->lit);
+}
+
+static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
+    const VkBufferUsageFlags usage =
+        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * VELUM_LIT_PLACES * sizeof(uint32_t);
+    bool ok = init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
+              init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
+              gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE);
+    v->bytes += v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+    return ok;
+}
+
+bool view_images_init(view *v) {
+    gpu *g = &v->eye->e->g;
+    if (v->eye->quality == VELUM_QUALITY_REFERENCE) {
+        return reference_init(v);
+    }
+    /* Rays of one in 16 pixels; a plan that asks for more makes these grow. */
+    bool ok = init_rays(g, v, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
+    for (uint32_t i = 0; ok && i < 2; i++) {
+        ok = init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
+             init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
+        v->bytes += v->history[i].allocation.size + v->history_data[i].allocation.size;
+    }
+    return ok;
+}
+
+void view_images_finish(gpu *g, view *v) {
+    finish_rays(g, v);
+    for (uint32_t i = 0; i < 2; i++) {
+        gpu_image_finish(g, &v->history[i]);
+        gpu_image_finish(g, &v->history_data[i]);
+    }
+}
+
+bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
+    engine *e = v->eye->e;
+    if (rays_w <= v->march_light.extent.width && rays_h <= v->march_light.extent.height) {
+        return true;
+    }
+    view *grave = calloc(1, sizeof *grave);
+    view grown = {0};
+    if (!grave || !init_rays(&e->g, &grown, rays_w, rays_h)) {
+        finish_rays(&e->g, &grown);
+        free(grave);
+        return false;
+    }
+    *grave = (view){.march_light = v->march_light,
+                    .march_distance = v->march_distance,
+                    .lit = v->lit,
+                    .last_serial = v->last_serial,
+                    .next = e->dead_views};
+    v->bytes +=
+        grown.bytes - v->march_light.allocation.size - v->march_distance.allocation.size - v->lit.allocation.size;
+    e->dead_views = grave;
+    v->march_light = grown.march_light;
+    v->march_distance = grown.march_distance;
+    v->lit = grown.lit;
+    return true;
+}

@@ -1,0 +1,49 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+/* Light of the places that the march has listed. */
+#include "air.glsl"
+#include "view.glsl"
+#include "weather.glsl"
+#include "cloud_light.glsl"
+#include "lit.glsl"
+layout(local_size_x = VELUM_GROUP * VELUM_GROUP) in;
+layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
+    uint counters[4];
+};
+
+void main() {
+    uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * (VELUM_GROUP * VELUM_GROUP) +
+                 gl_LocalInvocationIndex;
+    if (index >= lit_count) {
+        return;
+    }
+    uint place = lit_list[index];
+    vec4 found = lit[place];
+    ivec2 pixel = ray_pixel(lit_block(place));
+    view_ray ray = ray_of_pixel(pixel);
+    float offset = step_offset(pixel);
+    float at = found.x;
+
+    cloud_hit hit;
+    hit.slot = int(found.w);
+    hit.r = ray.origin + ray.direction * at;
+    velum_place here = place_of(hit.r);
+    hit.normal = vec3(here.nx, here.ny, here.nz);
+    hit.at_h_m = here.height_m;
+    hit.rise = dot(hit.normal, ray.direction);
+    hit.before_m = found.y * offset;
+    hit.after_m = found.y - hit.before_m;
+    hit.tile = tile_find(hit.normal, at);
+    cloud_look(hit, true, at, false);
+
+    float place_m = 0.0;
+    vec3 source = cloud_source(hit, ray_phases_of(dot(ray.direction, eye.sun.xyz)), int(view.steps.y),
+                               0.25 + 0.5 * offset, place_m);
+    lit[place] = vec4(source, place_m) * found.z;
+
+    uint samples = subgroupAdd(view.steps.y);
+    if (subgroupElect()) {
+        atomicAdd(counters[2], samples);
+    }
+}

@@ -1,0 +1,27 @@
+/* Places of rays that get light: what the march leaves to light.comp, and that to gather.comp. Rays differ in where they
+ * meet cloud and how often; listed, the places are lit side by side, however their rays went. */
+#ifndef VELUM_LIT_GLSL
+#define VELUM_LIT_GLSL
+
+#include "shared/arguments.h"
+
+/* Of a ray, VELUM_LIT_PLACES. As the march leaves it: distance m and length m of the step, share of the picture, slot.
+ * As light.comp leaves it: luminance times that share; how far beyond, m, times that share, its light comes from. */
+layout(set = 1, binding = VELUM_BIND_LIT, std430) buffer lit_buffer {
+    uint lit_columns, lit_rows, lit_layers; /* of the dispatch */
+    uint lit_count;                         /* of the list */
+    vec4 lit[];
+};
+layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
+    uint lit_list[];
+};
+
+uint lit_first(ivec2 block) {
+    return uint(block.y * int(view.march_size.x) + block.x) * uint(VELUM_LIT_PLACES);
+}
+ivec2 lit_block(uint place) {
+    uint ray = place / uint(VELUM_LIT_PLACES);
+    return ivec2(ray % view.march_size.x, ray / view.march_size.x);
+}
+
+#endif
