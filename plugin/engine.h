@@ -40,6 +40,8 @@ typedef enum pass {
     PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
     PASS_LIGHT,       /* of the places that rays have found, then for each ray */
     PASS_LIGHT_MIXED,
+    PASS_LIGHT_CLOSED, /* closed sheets and uniform layers too */
+    PASS_LIGHT_CLOSED_MIXED,
     PASS_GATHER,
     PASS_MARCH_STUDY, /* these two are made with the first eye that wants them */
     PASS_MARCH_STUDY_MIXED,

@@ -126,6 +126,8 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     case PASS_MARCH_MIXED:
     case PASS_LIGHT:
     case PASS_LIGHT_MIXED:
+    case PASS_LIGHT_CLOSED:
+    case PASS_LIGHT_CLOSED_MIXED:
     case PASS_GATHER:
     case PASS_MARCH_STUDY:
     case PASS_MARCH_STUDY_MIXED:
@@ -147,11 +149,12 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
     return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 8 : VELUM_REFERENCE_GROUP;
 }
 
-/* Constants of shaders: 0 of weather.glsl and resolve.comp; invocations of the tracer's group; its slots, its air. */
+/* Constants of shaders: 0 of weather.glsl and resolve.comp; invocations of the tracer's group; its slots, its air; 4 of
+ * cloud_light.glsl. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air;
+    VkBool32 air, closes;
 } variant;
 
 static bool create_variant(pipelines *p, gpu *g, pass which, const variant *values, VkPipeline *out) {
@@ -166,6 +169,8 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_LIGHT_MIXED] = {velum_light_spv, sizeof velum_light_spv},
+        [PASS_LIGHT_CLOSED] = {velum_light_spv, sizeof velum_light_spv},
+        [PASS_LIGHT_CLOSED_MIXED] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_GATHER] = {velum_gather_spv, sizeof velum_gather_spv},
         [PASS_MARCH_STUDY] = {velum_march_study_spv, sizeof velum_march_study_spv},
         [PASS_MARCH_STUDY_MIXED] = {velum_march_study_spv, sizeof velum_march_study_spv},
@@ -180,11 +185,12 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[4] = {{0, offsetof(variant, more), sizeof values->more},
+    const VkSpecializationMapEntry entries[5] = {{0, offsetof(variant, more), sizeof values->more},
                                                  {1, offsetof(variant, lanes), sizeof values->lanes},
                                                  {2, offsetof(variant, slots), sizeof values->slots},
-                                                 {3, offsetof(variant, air), sizeof values->air}};
-    const VkSpecializationInfo constants = {4, entries, sizeof *values, values};
+                                                 {3, offsetof(variant, air), sizeof values->air},
+                                                 {4, offsetof(variant, closes), sizeof values->closes}};
+    const VkSpecializationInfo constants = {5, entries, sizeof *values, values};
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[which].bytes,
                                             .pCode = shaders[which].words};
@@ -206,9 +212,11 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
 
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     const variant values = {.more = which == PASS_MARCH_MIXED || which == PASS_LIGHT_MIXED ||
-                                    which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
-                                    which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND,
-                            .lanes = pipelines_reference_lanes(g)};
+                                    which == PASS_LIGHT_CLOSED_MIXED || which == PASS_MARCH_STUDY_MIXED ||
+                                    which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
+                                    which == PASS_RESOLVE_LAYERED_GROUND,
+                            .lanes = pipelines_reference_lanes(g),
+                            .closes = which != PASS_LIGHT && which != PASS_LIGHT_MIXED};
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
 

@@ -426,8 +426,10 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
     }
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                 access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                       e->passes.pipeline[mix ? PASS_LIGHT_MIXED : PASS_LIGHT]);
+    const eye *y = v->eye;
+    bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
+    pass light = closes ? (mix ? PASS_LIGHT_CLOSED_MIXED : PASS_LIGHT_CLOSED) : mix ? PASS_LIGHT_MIXED : PASS_LIGHT;
+    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[light]);
     g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
     gpu_barrier(g, commands, compute, write, compute, access);
     record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);

@@ -143,7 +143,9 @@ static bool take_pages(tiles *t, const tiles_context *c, uint32_t i, core_tile *
             t->page[at] = pages_get(c->p, c->s, tile[s], slot, &t->contents[at]);
             all = all && t->page[at] != VELUM_PAGE_NONE;
             bool first = !(t->mask & (1u << slot));
+            bool closes = slot >= VELUM_SLOT_UNIFORM || velum_overcast(fields->max_coverage) > 0.0f;
             t->mask |= 1u << slot;
+            t->closing |= closes ? 1u << slot : 0;
             t->base_m[slot] = first ? fields->min_base_m : fminf(t->base_m[slot], fields->min_base_m);
             t->top_m[slot] = first ? fields->max_top_m : fmaxf(t->top_m[slot], fields->max_top_m);
         }
@@ -163,6 +165,7 @@ static uint32_t parent_of(uint32_t key) {
 
 static void resolve(tiles *t, const tiles_context *c) {
     t->mask = 0;
+    t->closing = 0;
     t->standing = VELUM_OK;
     for (uint32_t i = 0; i < t->set.data_count; i++) {
         uint32_t key = t->set.data_keys[i];

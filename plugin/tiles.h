@@ -31,6 +31,7 @@ typedef struct tiles {
     uint64_t built; /* tables so far */
     uint32_t first_chunk, chunk_count;
     uint32_t mask;                                           /* slots with cloud */
+    uint32_t closing;                                        /* of them: uniform, or all but overcast somewhere */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
 } tiles;
 

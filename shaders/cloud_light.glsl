@@ -9,6 +9,10 @@
 #include "study.glsl"
 #include "weather.glsl"
 
+/* Whether some cloud in sight may be a closed sheet or a uniform layer. The plain pipeline does not pay for their tables.
+ */
+layout(constant_id = 4) const bool velum_closes = true;
+
 /* What holds along a ray: its angle to the sun never changes. */
 struct ray_phases {
     float water, ice; /* first order */
@@ -47,16 +51,41 @@ velum_slab_span slab_span(cloud_hit hit) {
     return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
 }
 
+/* The newest profile: fields change little along a ray, often not at all. */
+struct profile_memo {
+    velum_profile profile;
+    vec4 of; /* kind, coverage, thickness, extinction */
+    int slot;
+};
+
+profile_memo profile_none() {
+    profile_memo memo;
+    memo.slot = -1;
+    memo.of = vec4(-1.0);
+    return memo;
+}
+
+void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
+    vec4 of = vec4(f.kind, f.coverage, f.top_m - f.base_m, f.extinction_1_m);
+    bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw)));
+    for (int once = slot == memo.slot && near ? 1 : 0; once < 1; ++once) {
+        memo.profile = velum_profile_of(slot, f);
+        memo.of = of;
+        memo.slot = slot;
+    }
+}
+
 /* Fields, profile and extinction where slot, place, tile and step are known. `looking` false: nothing is there;
  * `base`: the shape without lumps and detail. */
-void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) {
+void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, float distance_m, bool base) {
     int slot = hit.slot;
     velum_slot_fields f = slot_fields(hit.tile, slot, looking);
     bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
     float over_m = hit.at_h_m - f.base_m;
     float z = over_m / max(f.top_m - f.base_m, 1.0);
     bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
-    velum_profile profile = velum_profile_of(slot, f);
+    profile_recall(memo, slot, f);
+    velum_profile profile = memo.profile;
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
     bool covered = within && e > 0.0;
     /* Loops that run once or not at all: what no lane of a software device needs, none pays for. */
@@ -291,10 +320,12 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
-    float closed = uniform_layer ? 1.0 : closed_share(hit);
-    for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
-        vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
-        source = uniform_layer ? tabled : mix(source, tabled, closed);
+    if (velum_closes) {
+        float closed = uniform_layer ? 1.0 : closed_share(hit);
+        for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
+            vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
+            source = uniform_layer ? tabled : mix(source, tabled, closed);
+        }
     }
 #ifdef VELUM_STUDY
     for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {

@@ -35,7 +35,8 @@ void main() {
     hit.before_m = found.y * offset;
     hit.after_m = found.y - hit.before_m;
     hit.tile = tile_find(hit.normal, at);
-    cloud_look(hit, true, at, false);
+    profile_memo memo = profile_none();
+    cloud_look(hit, memo, true, at, false);
 
     float place_m = 0.0;
     vec3 source = cloud_source(hit, ray_phases_of(dot(ray.direction, eye.sun.xyz)), int(view.steps.y),

@@ -113,6 +113,7 @@ void main() {
     float allowed = 1.0e9; /* by those that this step meets */
     float settled = position; /* light and transmittance hold up to here */
 
+    profile_memo memo = profile_none();
     while (alive) {
         cloud_hit hit;
         hit.extinction_1_m = 0.0;
@@ -167,7 +168,7 @@ void main() {
         hit.rise = rise;
         hit.before_m = dt * offset;
         hit.after_m = dt - hit.before_m;
-        cloud_look(hit, looking, at, STUDIED(study_base(is_short), false));
+        cloud_look(hit, memo, looking, at, STUDIED(study_base(is_short), false));
         velum_slot_fields f = hit.fields;
         float extinction = hit.extinction_1_m;
         bool within = hit.within;
