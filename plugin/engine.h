@@ -37,8 +37,10 @@ typedef enum pass {
     PASS_GLOW,
     PASS_SKY,
     PASS_MARCH,
-    PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
-    PASS_LIGHT,       /* of the places that rays have found, then for each ray */
+    PASS_MARCH_MIXED,  /* two weather states, or two lives of the noise */
+    PASS_MARCH_CLOSED, /* uniform layers too */
+    PASS_MARCH_CLOSED_MIXED,
+    PASS_LIGHT, /* of the places that rays have found, then for each ray */
     PASS_LIGHT_MIXED,
     PASS_LIGHT_CLOSED, /* closed sheets and uniform layers too */
     PASS_LIGHT_CLOSED_MIXED,

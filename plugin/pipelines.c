@@ -124,6 +124,8 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     switch (which) {
     case PASS_MARCH:
     case PASS_MARCH_MIXED:
+    case PASS_MARCH_CLOSED:
+    case PASS_MARCH_CLOSED_MIXED:
     case PASS_LIGHT:
     case PASS_LIGHT_MIXED:
     case PASS_LIGHT_CLOSED:
@@ -167,6 +169,8 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH_CLOSED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH_CLOSED_MIXED] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_LIGHT_MIXED] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_LIGHT_CLOSED] = {velum_light_spv, sizeof velum_light_spv},
@@ -211,12 +215,12 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
 }
 
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
-    const variant values = {.more = which == PASS_MARCH_MIXED || which == PASS_LIGHT_MIXED ||
-                                    which == PASS_LIGHT_CLOSED_MIXED || which == PASS_MARCH_STUDY_MIXED ||
-                                    which == PASS_SHADOW_MIXED || which == PASS_RESOLVE_GROUND ||
-                                    which == PASS_RESOLVE_LAYERED_GROUND,
-                            .lanes = pipelines_reference_lanes(g),
-                            .closes = which != PASS_LIGHT && which != PASS_LIGHT_MIXED};
+    const variant values = {
+        .more = which == PASS_MARCH_MIXED || which == PASS_MARCH_CLOSED_MIXED || which == PASS_LIGHT_MIXED ||
+                which == PASS_LIGHT_CLOSED_MIXED || which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
+                which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND,
+        .lanes = pipelines_reference_lanes(g),
+        .closes = which != PASS_MARCH && which != PASS_MARCH_MIXED && which != PASS_LIGHT && which != PASS_LIGHT_MIXED};
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
 

@@ -417,18 +417,20 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
     const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
                                   VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    bool study = plan_is_study(&v->eye->plan);
+    const eye *y = v->eye;
+    bool study = plan_is_study(&y->plan);
     bool mix = blocks_mix(e);
-    pass march = study ? (mix ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_STUDY) : mix ? PASS_MARCH_MIXED : PASS_MARCH;
+    bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
+    pass march = study    ? (mix ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_STUDY)
+                 : closes ? (mix ? PASS_MARCH_CLOSED_MIXED : PASS_MARCH_CLOSED)
+                          : (mix ? PASS_MARCH_MIXED : PASS_MARCH);
     record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
     if (study) {
         return;
     }
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                 access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    const eye *y = v->eye;
-    bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
-    pass light = closes ? (mix ? PASS_LIGHT_CLOSED_MIXED : PASS_LIGHT_CLOSED) : mix ? PASS_LIGHT_MIXED : PASS_LIGHT;
+    pass light = closes ? (mix ? PASS_LIGHT_CLOSED_MIXED : PASS_LIGHT_CLOSED) : (mix ? PASS_LIGHT_MIXED : PASS_LIGHT);
     g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[light]);
     g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
     gpu_barrier(g, commands, compute, write, compute, access);

@@ -88,14 +88,12 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     velum_profile profile = memo.profile;
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
     bool covered = within && e > 0.0;
-    /* Loops that run once or not at all: what no lane of a software device needs, none pays for. */
     float lump = base ? 1.0 : 0.0;
     float fine = base ? 1.0 : 0.5;
-    for (int once = covered && !base ? 0 : 1; once < 1; ++once) {
+    if (covered && !base) {
         lump = lump_noise(slot, f, hit.r);
     }
-    for (int once = covered && !base && velum_shows_fine(distance_m, eye.slots[slot].fine_0.w) ? 0 : 1; once < 1;
-         ++once) {
+    if (covered && !base && velum_shows_fine(distance_m, eye.slots[slot].fine_0.w)) {
         fine = fine_noise(slot, f, hit.r);
     }
     z = clamp(z, 0.0, 1.0);
@@ -113,7 +111,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     hit.extinction_1_m = study_thinned(hit.extinction_1_m, f.extinction_1_m);
 #endif
     /* Sharp faces: the share of the step that lies within them. */
-    for (int once = uniform_layer && looking && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
+    if (velum_closes && uniform_layer && looking && f.coverage >= 0.5) {
         hit.extinction_1_m = f.extinction_1_m * slab_span(hit).inside_m / (hit.before_m + hit.after_m);
     }
 }
@@ -162,7 +160,7 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
         float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
-        for (int once = STUDIED(study_sun_lumps(), true) ? 0 : 1; once < 1; ++once) {
+        if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
         }
         float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));

@@ -32,8 +32,8 @@ const float lit_part = 0.5;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
-/* Software devices run both sides of every branch, but leave a loop when all their lanes have. So all that is dear
- * stands in loops that run once or not at all, and no lane waits for another's cloud: one loop seeks and lights. */
+/* Software devices run both sides of every branch, but leave a loop when all their lanes have, at a price. So what is
+ * dear and rare stands in loops that run once or not at all; the rest in branches. */
 
 /* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
  * every ray rise faster as it goes), or far beyond all. */
@@ -180,7 +180,7 @@ void main() {
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
         vec2 reach_m = vec2(1.0e9);
-        for (int once = clear_tile || f.coverage <= 0.0 ? 0 : 1; once < 1; ++once) {
+        if (clear_tile || f.coverage <= 0.0) {
             reach_m = tile_reach_m(tile, normal, ray.direction);
         }
         advance = clear_tile ? min(advance, reach_m.x) : advance;
@@ -246,7 +246,7 @@ void main() {
         float part = uniform_layer ? 1.0 / float(VELUM_LIT_PLACES) : lit_part;
         bool opens = alpha > 0.0 && (places == 0u || (places < uint(VELUM_LIT_PLACES) &&
                                                       (float(slot) != place.w || through < 1.0 - float(places) * part)));
-        for (int once = opens && places > 0u ? 0 : 1; once < 1; ++once) {
+        if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
         }
         places += opens ? 1u : 0u;
