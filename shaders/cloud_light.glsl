@@ -140,6 +140,9 @@ float sun_share(cloud_hit hit, float mu_sun) {
     return share;
 }
 
+/* Half of what a column's rank changes by over a step of a period, on the mean. */
+const float step_spread = 1.0;
+
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
  * those of r. */
 float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
@@ -151,6 +154,7 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     float count = float(max(steps, 2));
     float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
     float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
+    float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
     float depth = 0.0;
     float done = 0.0;
     for (int i = 0; i < steps; ++i) {
@@ -163,8 +167,9 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
         }
-        float body = velum_body(hit.profile, e, z, h - f.base_m, lump, STUDIED(study_sun_fine(hit.slot, f, p), 0.5));
-        depth += e > 0.0 && z > 0.0 && z < 1.0 ? body * dt : 0.0;
+        float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
+                                     STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * dt);
+        depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
         done += dt;
         dt *= ratio;
     }

@@ -185,13 +185,19 @@ VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float
     return e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
 }
 
-/* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. */
-VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
+/* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. `spread`:
+ * half of how much the margin changes over the stretch that the value is to stand for, in e; 0: a point. */
+VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine,
+                               float spread) {
     float f = velum_margin(p, e, z, lump, fine);
-    float inside = velum_smoothstep(0.0f, p.softness, f);
+    float inside = velum_smoothstep(-spread, p.softness + spread, f);
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
     return inside * water * foot * p.density_scale;
+}
+
+VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
+    return velum_body_over(p, e, z, height_over_base_m, lump, fine, 0.0f);
 }
 
 /* Noise coordinates: a fixed rotation, so that the texture's axes lie along no meridian or parallel anywhere, then the
