@@ -195,16 +195,18 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.09; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_share = 0.72; /* of the depth along the sun: of its face's */
-const float deep_share = 0.71;
+const float deep_share = 0.74;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
 const float lump_face = 0.6, lump_low = 0.4;
 const float deck_face = 0.38, deck_tilt = 0.29;
-const float wall_share = 0.3; /* of what a lit wall sends to its neighbours */
-const float storm_share = 0.85; /* the same of storms, whose walls are the most that they are... */
+const float wall_share = 0.5; /* of what a lit wall sends to its neighbours */
+const float storm_share = 0.95; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
 const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
+/* What is carved off a cloud leaves crevices, whose walls hide the light about it: by the depth of the carving, in e. */
+const float crevice = 1.0;
 const float widened_share = 0.55, widened_loss = 0.21;
 
 struct ways_out {
@@ -253,8 +255,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     vec3 below = ambient_under(hit.fields.base_m);
     float walls = storm ? max(hit.fields.coverage, storm_walls) : hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
+    float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
+    float open = 1.0 / (1.0 + crevice * carved);
     return sun * (first + widened + deep * diffuse) +
-           (above * up + below * down + beside * flank) / (up + down + flank);
+           open * (above * up + below * down + beside * flank) / (up + down + flank);
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its
