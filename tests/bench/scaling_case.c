@@ -5,7 +5,7 @@
 #include "scaling.h"
 #include "scene.h"
 
-enum { AXES = 3, ROUNDS_MOST = 3, FRAMES = 2, LAYERS = 6 };
+enum { AXES = 3, ROUNDS_MOST = 2, FRAMES = 2, LAYERS = 6 };
 
 #define PLAY_STEP_S (1.0 / 60.0)
 

@@ -59,6 +59,11 @@ static void write_plot(FILE *file, const bench *b, const scaling_axis *a) {
     double per_mb = 1e-6 * a->bytes[last] / a->sizes[last];
     fprintf(file, "set title \"%s\" noenhanced\nset xlabel \"%s\"\nset xrange [%.9g:%.9g]\n", a->fixed, a->name,
             0.8 * a->sizes[0], 1.25 * a->sizes[last]);
+    fprintf(file, "set xtics (");
+    for (uint32_t i = 0; i < a->count; i++) {
+        fprintf(file, "%s\"%.2g\" %.9g", i ? ", " : "", a->sizes[i], a->sizes[i]);
+    }
+    fprintf(file, ")\n");
     fprintf(file,
             "plot '-' with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"ms of %s, power %.2f\", "
             "'-' with linespoints lw 2 pt 5 lc rgb \"#D55E00\" title \"MB of the %s, power %.2f\", "
