@@ -65,6 +65,7 @@ static bool find_physical(vulkan_device *device, test_host *host, char reason[25
                     VELUM_OK &&
                 find_family(device)) {
                 memory(device->physical, &device->memory);
+                device->is_processor = processor;
                 snprintf(device->name, sizeof device->name, "%s", found.deviceName);
                 return true;
             }

@@ -48,6 +48,7 @@ typedef struct vulkan_device {
     uint32_t extension_count;
     const char *const *extensions;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
+    bool is_processor; /* a software device */
     VkCommandPool pool;
     VkCommandBuffer commands[VULKAN_DEVICE_SLOTS];
     VkFence fences[VULKAN_DEVICE_SLOTS];

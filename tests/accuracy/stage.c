@@ -21,7 +21,7 @@ double stage_now_ms(void) {
 }
 
 void stage_fail(const stage *s, const char *what, velum_result result) {
-    fprintf(stderr, "velum-accuracy: %s: %s: %s: %s\n", what, velum_result_name(result), s->host.log.object,
+    fprintf(stderr, REPORT_PROGRAM ": %s: %s: %s: %s\n", what, velum_result_name(result), s->host.log.object,
             s->host.log.message);
 }
 
@@ -47,7 +47,7 @@ char *stage_read_file(const char *path, size_t *out_size) {
         text = malloc((size_t)size + 1);
     }
     if (!text || fread(text, 1, (size_t)size, file) != (size_t)size) {
-        fprintf(stderr, "velum-accuracy: %s: cannot read: %s\n", path, strerror(errno));
+        fprintf(stderr, REPORT_PROGRAM ": %s: cannot read: %s\n", path, strerror(errno));
         free(text);
         text = NULL;
     } else {
@@ -218,7 +218,7 @@ int stage_load(stage *s, const scene_row *scene, float wind_east_m_s) {
     velum_weather_error error = {.text = ""};
     velum_result result = velum_scenario_load(path, extra, scene->real ? 2 : 0, &scenario, &report, &error);
     if (result < 0) {
-        fprintf(stderr, "velum-accuracy: %s\n", error.text);
+        fprintf(stderr, REPORT_PROGRAM ": %s\n", error.text);
         return STAGE_FAILED;
     }
     return take_scenario(s, scenario, wind_east_m_s) ? STAGE_OK : STAGE_FAILED;
@@ -230,7 +230,7 @@ int stage_load_text(stage *s, const char *text, float wind_east_m_s) {
     s->scenario_hash = stage_hash(0, text, strlen(text));
     velum_result result = velum_scenario_load_memory("case", ".", text, strlen(text), &scenario, NULL, &error);
     if (result < 0) {
-        fprintf(stderr, "velum-accuracy: %s\n", error.text);
+        fprintf(stderr, REPORT_PROGRAM ": %s\n", error.text);
         return STAGE_FAILED;
     }
     return take_scenario(s, scenario, wind_east_m_s) ? STAGE_OK : STAGE_FAILED;

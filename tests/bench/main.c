@@ -4,13 +4,16 @@
 
 #include "bench.h"
 
-static const bench_case *const tables[] = {bench_frame_cases, bench_weather_cases};
+static const bench_case *const tables[] = {bench_frame_cases,   bench_weather_cases, bench_fetch_cases,
+                                           bench_scaling_cases, bench_motion_cases,  bench_flicker_cases};
 
 static int usage(int status) {
     fprintf(status ? stderr : stdout,
             "velum-bench [--list] [--case NAME]... [--json] [--rounds N] [--frames N] [--scenario FILE]\n"
-            "            [--shared DIR] [--plugin PATH]\n"
+            "            [--shared DIR] [--plugin PATH] [--out DIR] [--size WxH]\n"
             "Medians over N rounds (7) of N frames (4) of each variant in turn. Without --case: all cases.\n"
+            "--case motion: all of which the name begins with motion_, where none is called so.\n"
+            "--out: an existing folder, for charts and pictures. --size: of motion and flicker (320x180).\n"
             "--shared: real weather files (the environment's VELUM_SHARED). --plugin: VELUM_PLUGIN.\n");
     return status;
 }
@@ -23,6 +26,16 @@ static bool parse_count(const char *text, uint32_t *out) {
         return false;
     }
     *out = (uint32_t)value;
+    return true;
+}
+
+static bool parse_size(const char *text, bench *b) {
+    char rest = '\0';
+    if (sscanf(text, "%ux%u%c", &b->width, &b->height, &rest) != 2 || b->width < 16 || b->width > 4096 ||
+        b->height < 16 || b->height > 4096) {
+        fprintf(stderr, "velum-bench: --size: found '%s', expected WxH, each 16..4096\n", text);
+        return false;
+    }
     return true;
 }
 
@@ -41,15 +54,24 @@ static void find_plugin(void) {
     }
 }
 
-static const bench_case *find_case(const char *name) {
-    for (size_t t = 0; t < sizeof tables / sizeof tables[0]; t++) {
-        for (const bench_case *c = tables[t]; c->name; c++) {
-            if (strcmp(c->name, name) == 0) {
-                return c;
+/* By its name, else by what stands before a '_' in it. */
+static bool is_named(const bench_case *c, const char *name, bool exactly) {
+    size_t length = strlen(name);
+    return exactly ? strcmp(c->name, name) == 0 : strncmp(c->name, name, length) == 0 && c->name[length] == '_';
+}
+
+static uint32_t choose(const char *name, const bench_case **out, uint32_t room) {
+    uint32_t count = 0;
+    for (int exactly = 1; exactly >= 0 && count == 0; exactly--) {
+        for (size_t t = 0; t < sizeof tables / sizeof tables[0]; t++) {
+            for (const bench_case *c = tables[t]; c->name; c++) {
+                if (count < room && is_named(c, name, exactly)) {
+                    out[count++] = c;
+                }
             }
         }
     }
-    return NULL;
+    return count;
 }
 
 /* Each on a device of its own. */
@@ -71,15 +93,15 @@ static bool run_case(bench *b, const bench_case *c) {
 }
 
 int main(int argc, char **argv) {
-    bench b = {.rounds = 7, .frames = 4, .shared = getenv("VELUM_SHARED")};
-    const bench_case *chosen[32];
+    bench b = {.rounds = 7, .frames = 4, .width = 320, .height = 180, .shared = getenv("VELUM_SHARED")};
+    const bench_case *chosen[64];
     uint32_t chosen_count = 0;
     for (int i = 1; i < argc; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(argv[i], "--list") == 0) {
             for (size_t t = 0; t < sizeof tables / sizeof tables[0]; t++) {
                 for (const bench_case *c = tables[t]; c->name; c++) {
-                    printf("%-14s %s\n", c->name, c->about);
+                    printf("%-20s %s\n", c->name, c->about);
                 }
             }
             return 0;
@@ -96,18 +118,24 @@ int main(int argc, char **argv) {
         }
         i++;
         if (strcmp(argv[i - 1], "--case") == 0) {
-            const bench_case *c = find_case(value);
-            if (!c || chosen_count == 32) {
+            uint32_t found = choose(value, chosen + chosen_count, 64 - chosen_count);
+            if (found == 0) {
                 fprintf(stderr, "velum-bench: found case '%s', expected one of --list\n", value);
                 return 2;
             }
-            chosen[chosen_count++] = c;
+            chosen_count += found;
         } else if (strcmp(argv[i - 1], "--rounds") == 0 || strcmp(argv[i - 1], "--frames") == 0) {
             if (!parse_count(value, argv[i - 1][2] == 'r' ? &b.rounds : &b.frames)) {
                 return 2;
             }
         } else if (strcmp(argv[i - 1], "--scenario") == 0) {
             b.scenario = value;
+        } else if (strcmp(argv[i - 1], "--out") == 0) {
+            b.out = value;
+        } else if (strcmp(argv[i - 1], "--size") == 0) {
+            if (!parse_size(value, &b)) {
+                return 2;
+            }
         } else if (strcmp(argv[i - 1], "--shared") == 0) {
             b.shared = value;
         } else if (strcmp(argv[i - 1], "--plugin") == 0) {

@@ -39,6 +39,22 @@ double bench_median(const bench_series *series) {
     return 0.5 * (sorted[(series->count - 1) / 2] + sorted[series->count / 2]);
 }
 
+double bench_least(const bench_series *series) {
+    double least = INFINITY;
+    for (uint32_t i = 0; i < series->count; i++) {
+        least = fmin(least, series->values[i]);
+    }
+    return least;
+}
+
+double bench_greatest(const bench_series *series) {
+    double greatest = -INFINITY;
+    for (uint32_t i = 0; i < series->count; i++) {
+        greatest = fmax(greatest, series->values[i]);
+    }
+    return greatest;
+}
+
 /* Names are ours, devices' names are not. */
 static void write_string(const char *text) {
     putchar('"');
@@ -51,17 +67,19 @@ static void write_string(const char *text) {
     putchar('"');
 }
 
-void bench_report(const bench *b, const char *variant, const char *figure, const char *unit,
-                  const bench_series *series) {
-    double low = INFINITY, high = -INFINITY;
-    for (uint32_t i = 0; i < series->count; i++) {
-        low = fmin(low, series->values[i]);
-        high = fmax(high, series->values[i]);
-    }
+typedef struct judgement {
+    bench_sense sense;
+    double bound;
+} judgement;
+
+static void print(const bench *b, const char *variant, const char *figure, const char *unit, const bench_series *series,
+                  const judgement *judged) {
     if (series->count == 0) {
         return;
     }
-    double median = bench_median(series);
+    double median = bench_median(series), low = bench_least(series), high = bench_greatest(series);
+    bool at_most = judged && judged->sense == BENCH_AT_MOST;
+    bool holds = judged && (at_most ? median <= judged->bound : median >= judged->bound);
     if (b->json) {
         printf("{\"case\": ");
         write_string(b->case_name);
@@ -74,12 +92,36 @@ void bench_report(const bench *b, const char *variant, const char *figure, const
         printf(", \"median\": %.9g, \"min\": %.9g, \"max\": %.9g, \"runs\": %u, \"device\": ", median, low, high,
                series->count);
         write_string(b->has_device ? b->device.name : "");
+        if (judged) {
+            printf(", \"%s\": %.9g, \"holds\": %s", at_most ? "at_most" : "at_least", judged->bound,
+                   holds ? "true" : "false");
+        }
         printf("}\n");
     } else {
-        printf("%-22s %-26s %-24s %14.6g %-6s %12.6g .. %-12.6g %u\n", b->case_name, variant, figure, median, unit, low,
+        printf("%-22s %-26s %-24s %14.6g %-6s %12.6g .. %-12.6g %u", b->case_name, variant, figure, median, unit, low,
                high, series->count);
+        if (judged) {
+            printf("  bound %s %.6g: %s", at_most ? "<=" : ">=", judged->bound, holds ? "holds" : "MISSED");
+        }
+        printf("\n");
     }
     fflush(stdout);
+}
+
+void bench_report(const bench *b, const char *variant, const char *figure, const char *unit,
+                  const bench_series *series) {
+    print(b, variant, figure, unit, series, NULL);
+}
+
+void bench_judge(const bench *b, const char *variant, const char *figure, const char *unit, const bench_series *series,
+                 bench_sense sense, double bound) {
+    print(b, variant, figure, unit, series, &(judgement){sense, bound});
+}
+
+void bench_judge_value(const bench *b, const char *variant, const char *figure, const char *unit, double value,
+                       bench_sense sense, double bound) {
+    bench_series one = {.count = 1, .values = {value}};
+    bench_judge(b, variant, figure, unit, &one, sense, bound);
 }
 
 void bench_report_value(const bench *b, const char *variant, const char *figure, const char *unit, double value) {

@@ -49,6 +49,9 @@ static bool play_scenario(scene *s) {
     velum_scenario_pose_ecef(&pose, s->position_ecef_m, s->right, s->up, s->forward);
     velum_scenario_sun(scenario, 0.0, s->sun);
     memcpy(s->ground_albedo, scenario->ground_albedo, sizeof s->ground_albedo);
+    if (scenario->channel_count > 0) {
+        s->half_width_deg = 0.5 * scenario->channels[0].hfov_deg;
+    }
     velum_scenario_destroy(scenario);
     return result >= 0 || bench_fail(s->b, "commit", result);
 }
@@ -68,7 +71,7 @@ void scene_place(scene *s, double lat_deg, double lon_deg, double height_m) {
 }
 
 static bool create_world(scene *s, bench *b) {
-    *s = (scene){.b = b};
+    *s = (scene){.b = b, .half_width_deg = 20.0};
     s->world = test_host_create_world(&b->host, 7);
     scene_place(s, 50.03, 8.55, 300.0);
     return s->world || bench_fail(b, "create world", VELUM_ERROR_OUT_OF_MEMORY);
@@ -161,7 +164,7 @@ bool scene_eye_init(scene *s, scene_eye *eye, int32_t quality, uint32_t views, u
     for (uint32_t i = 0; i < views && result >= 0; i++) {
         velum_view_desc desc = {.struct_size = sizeof desc, .width = width, .height = height};
         result = api->create_view(eye->eye, &desc, &eye->views[i]);
-        eye->yaw_deg[i] = 40.0 * (double)i - 20.0 * (double)(views - 1);
+        eye->yaw_deg[i] = s->half_width_deg * (2.0 * (double)i - (double)(views - 1));
         if (result >= 0 && !vulkan_device_images(&s->b->device, width, height, &eye->images[i])) {
             result = VELUM_ERROR_OUT_OF_MEMORY;
         }
@@ -185,7 +188,7 @@ void scene_eye_finish(scene_eye *eye, scene *s) {
 static velum_view_frame view_frame(const scene *s, const scene_eye *eye, uint32_t index) {
     const double c = cos(eye->yaw_deg[index] * DEG);
     const double sine = sin(eye->yaw_deg[index] * DEG);
-    const double tan_x = tan(20.0 * DEG);
+    const double tan_x = tan(s->half_width_deg * DEG);
     velum_view_frame frame = {.struct_size = sizeof frame,
                               .flags = VELUM_VIEW_GROUND | VELUM_VIEW_SUN_DISC,
                               .tan_left = (float)-tan_x,
@@ -274,7 +277,7 @@ bool scene_draw(scene *s, scene_eye *eye, scene_frame *out) {
 
 bool scene_prepare(scene *s, double *out_ms) {
     velum_prepare_eye eye = {
-        .struct_size = sizeof eye, .time_s = s->time_s, .pixel_rad = 2.0 * tan(20.0 * DEG) / 640.0};
+        .struct_size = sizeof eye, .time_s = s->time_s, .pixel_rad = 2.0 * tan(s->half_width_deg * DEG) / 640.0};
     memcpy(eye.position_ecef_m, s->position_ecef_m, sizeof eye.position_ecef_m);
     velum_prepare_info info = {.struct_size = sizeof info, .eyes = &eye, .eye_count = 1};
     double start_ms = bench_now_ms();

@@ -6,7 +6,7 @@
 
 #include "bench.h"
 
-enum { SCENE_VIEWS = 4 };
+enum { SCENE_VIEWS = 8 };
 
 typedef struct scene {
     bench *b;
@@ -18,6 +18,7 @@ typedef struct scene {
     double position_ecef_m[3], right[3], up[3], forward[3];
     double sun[3];
     float ground_albedo[3];
+    double half_width_deg; /* of a view */
 } scene;
 
 typedef struct scene_eye {
@@ -41,7 +42,7 @@ typedef struct scene_frame {
     bool incomplete;
 } scene_frame;
 
-/* With the bench's scenario, or broken cumulus under thin cirrus. */
+/* With the bench's scenario, seen through its first channel, or broken cumulus under thin cirrus. */
 bool scene_init(scene *s, bench *b);
 void scene_finish(scene *s);
 /* Only a world, with the real forecast and reports if they are there. */
@@ -51,7 +52,7 @@ bool scene_engine(scene *s);
 bool scene_shadow(scene *s);
 void scene_place(scene *s, double lat_deg, double lon_deg, double height_m);
 
-/* Views side by side, 40 degrees each. */
+/* Views side by side. */
 bool scene_eye_init(scene *s, scene_eye *eye, int32_t quality, uint32_t views, uint32_t width, uint32_t height);
 void scene_eye_finish(scene_eye *eye, scene *s);
 

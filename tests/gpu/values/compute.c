@@ -64,6 +64,37 @@ static bool choose_physical(compute_device *device, char reason[256]) {
     return false;
 }
 
+static bool create_pool_and_sampler(compute_device *device) {
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                          .queueFamilyIndex = device->family};
+    const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+                                         .magFilter = VK_FILTER_LINEAR,
+                                         .minFilter = VK_FILTER_LINEAR,
+                                         .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                         .addressModeU = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                         .addressModeV = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                         .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT};
+    return ok(vkCreateCommandPool(device->device, &pool, NULL, &device->pool), "vkCreateCommandPool") &&
+           ok(vkCreateSampler(device->device, &sampler, NULL, &device->sampler), "vkCreateSampler");
+}
+
+bool compute_borrow(compute_device *device, VkInstance instance, VkPhysicalDevice physical, VkDevice lent,
+                    uint32_t family) {
+    *device =
+        (compute_device){.instance = instance, .physical = physical, .device = lent, .family = family, .lent = true};
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    vkGetPhysicalDeviceMemoryProperties(physical, &device->memory);
+    vkGetDeviceQueue(lent, family, 0, &device->queue);
+    device->processor = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    snprintf(device->name, sizeof device->name, "%s", properties.deviceName);
+    if (!create_pool_and_sampler(device)) {
+        compute_close(device);
+        return false;
+    }
+    return true;
+}
+
 bool compute_open(compute_device *device, char reason[256]) {
     *device = (compute_device){0};
     const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
@@ -95,17 +126,7 @@ bool compute_open(compute_device *device, char reason[256]) {
         goto error;
     }
     vkGetDeviceQueue(device->device, device->family, 0, &device->queue);
-    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                          .queueFamilyIndex = device->family};
-    const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-                                         .magFilter = VK_FILTER_LINEAR,
-                                         .minFilter = VK_FILTER_LINEAR,
-                                         .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                                         .addressModeU = VK_SAMPLER_ADDRESS_MODE_REPEAT,
-                                         .addressModeV = VK_SAMPLER_ADDRESS_MODE_REPEAT,
-                                         .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT};
-    if (!ok(vkCreateCommandPool(device->device, &pool, NULL, &device->pool), "vkCreateCommandPool") ||
-        !ok(vkCreateSampler(device->device, &sampler, NULL, &device->sampler), "vkCreateSampler")) {
+    if (!create_pool_and_sampler(device)) {
         goto error;
     }
     return true;
@@ -118,9 +139,11 @@ void compute_close(compute_device *device) {
     if (device->device) {
         vkDestroySampler(device->device, device->sampler, NULL);
         vkDestroyCommandPool(device->device, device->pool, NULL);
+    }
+    if (device->device && !device->lent) {
         vkDestroyDevice(device->device, NULL);
     }
-    if (device->instance) {
+    if (device->instance && !device->lent) {
         vkDestroyInstance(device->instance, NULL);
     }
     *device = (compute_device){0};
@@ -186,7 +209,7 @@ bool compute_filters(const compute_device *device, VkFormat format) {
     return properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
 }
 
-static void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+static void transition(VkCommandBuffer commands, VkImage image, uint32_t layers, VkImageLayout from, VkImageLayout to) {
     const VkImageMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
         .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
@@ -196,22 +219,23 @@ static void transition(VkCommandBuffer commands, VkImage image, VkImageLayout fr
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .image = image,
-        .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
+        .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = layers}};
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL,
                          0, NULL, 1, &barrier);
 }
 
-bool compute_texture_create(compute_device *device, VkFormat format, uint32_t side, const void *texels, size_t bytes,
-                            compute_texture *texture) {
+/* layers 0: a volume. */
+static bool create_texture(compute_device *device, VkFormat format, uint32_t side, uint32_t layers, const void *texels,
+                           size_t bytes, compute_texture *texture) {
     *texture = (compute_texture){0};
     compute_buffer staging = {0};
     VkCommandBuffer commands = VK_NULL_HANDLE;
     const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                    .imageType = VK_IMAGE_TYPE_3D,
+                                    .imageType = layers ? VK_IMAGE_TYPE_2D : VK_IMAGE_TYPE_3D,
                                     .format = format,
-                                    .extent = {side, side, side},
+                                    .extent = {side, side, layers ? 1 : side},
                                     .mipLevels = 1,
-                                    .arrayLayers = 1,
+                                    .arrayLayers = layers ? layers : 1,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
                                     .tiling = VK_IMAGE_TILING_OPTIMAL,
                                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
@@ -227,19 +251,21 @@ bool compute_texture_create(compute_device *device, VkFormat format, uint32_t si
     const VkImageViewCreateInfo view = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = texture->image,
-        .viewType = VK_IMAGE_VIEW_TYPE_3D,
+        .viewType = layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_3D,
         .format = format,
-        .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
+        .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = info.arrayLayers}};
     if (!ok(vkCreateImageView(device->device, &view, NULL, &texture->view), "vkCreateImageView") ||
         !buffer_create(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, &staging) || !begin(device, &commands)) {
         goto error;
     }
     memcpy(staging.mapped, texels, bytes);
-    transition(commands, texture->image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    const VkBufferImageCopy copy = {.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-                                    .imageExtent = {side, side, side}};
+    transition(commands, texture->image, info.arrayLayers, VK_IMAGE_LAYOUT_UNDEFINED,
+               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const VkBufferImageCopy copy = {
+        .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = info.arrayLayers},
+        .imageExtent = info.extent};
     vkCmdCopyBufferToImage(commands, staging.buffer, texture->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-    transition(commands, texture->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+    transition(commands, texture->image, info.arrayLayers, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     if (!ok(vkEndCommandBuffer(commands), "vkEndCommandBuffer") || !submit(device, commands)) {
         goto error;
@@ -254,6 +280,16 @@ error:
     buffer_destroy(device, &staging);
     compute_texture_destroy(device, texture);
     return false;
+}
+
+bool compute_texture_create(compute_device *device, VkFormat format, uint32_t side, const void *texels, size_t bytes,
+                            compute_texture *texture) {
+    return create_texture(device, format, side, 0, texels, bytes, texture);
+}
+
+bool compute_array_create(compute_device *device, VkFormat format, uint32_t side, uint32_t layers, const void *texels,
+                          size_t bytes, compute_texture *texture) {
+    return create_texture(device, format, side, layers, texels, bytes, texture);
 }
 
 void compute_texture_destroy(compute_device *device, compute_texture *texture) {

@@ -30,6 +30,7 @@ typedef struct compute_device {
     VkPhysicalDeviceMemoryProperties memory;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     bool processor; /* a software device */
+    bool lent;      /* instance and device are another's */
 } compute_device;
 
 typedef struct compute_texture {
@@ -53,11 +54,17 @@ typedef struct compute_job {
 
 /* A processor first, so that tests are alike on all machines; environment VELUM_TEST_DEVICE: index of another. */
 bool compute_open(compute_device *device, char reason[256]);
+/* On a device that another has made, of Vulkan 1.3 with maintenance4. */
+bool compute_borrow(compute_device *device, VkInstance instance, VkPhysicalDevice physical, VkDevice lent,
+                    uint32_t family);
 void compute_close(compute_device *device);
 
 bool compute_filters(const compute_device *device, VkFormat format); /* linear filter of a sampled 3D image */
 bool compute_texture_create(compute_device *device, VkFormat format, uint32_t side, const void *texels, size_t bytes,
                             compute_texture *texture);
+/* A 2D array, all layers in one block. */
+bool compute_array_create(compute_device *device, VkFormat format, uint32_t side, uint32_t layers, const void *texels,
+                          size_t bytes, compute_texture *texture);
 void compute_texture_destroy(compute_device *device, compute_texture *texture);
 
 bool compute_run(compute_device *device, compute_job *job);
