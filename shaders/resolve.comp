@@ -30,6 +30,8 @@ layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE d
 const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away. */
 const float nothing_m = 60000.0;
+/* Pixels that history has moved since the frame before: all is believed of it, nothing beyond what this frame saw. */
+const float trusted = 0.15, doubted = 1.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
 
@@ -104,7 +106,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     }
     if (!still) {
         vec4 slack = (high - low) * 0.25 + vec4(0.02 * high.rgb, 0.02);
-        old = clamp(old, low - slack, high + slack);
+        /* Rays are blocks apart: what stands between them is held back only where history has come from elsewhere. */
+        float moved = length(uv * size - (vec2(pixel) + 0.5));
+        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(trusted, doubted, moved);
+        old = mix(clamp(old, low - slack, high + slack), old, trust);
         count = count < 0.5 ? 0.0 : clamp(count, 1.0, view.scale.w);
     }
 

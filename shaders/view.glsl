@@ -72,15 +72,20 @@ view_ray ray_of_pixel(ivec2 pixel) {
     return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 }
 
+/* Four numbers that differ between neighbours, in pixels and in blocks of rays. */
+uint dither(ivec2 pixel, int x, int y) {
+    return uint(x * (pixel.x + (pixel.x >> 2)) + y * (pixel.y + (pixel.y >> 2))) & 3u;
+}
+
 /* Share of its length at which a step is sampled: another for each pixel and each round of frames, in quarters. After
  * four rounds all pixels, of whatever channel, have had the same. */
 float step_offset(ivec2 pixel) {
-    return fract(view.march.w + float((pixel.x + 2 * pixel.y) & 3) * 0.25);
+    return fract(view.march.w + float(dither(pixel, 1, 2)) * 0.25);
 }
 
 /* The same for what is drawn from among a ray's samples. */
 float pick_offset(ivec2 pixel) {
-    return fract(float(view.turn.w) / 65536.0 + float((2 * pixel.x + pixel.y) & 3) * 0.25);
+    return fract(float(view.turn.w) / 65536.0 + float(dither(pixel, 2, 1)) * 0.25);
 }
 
 /* Distance along the ray to what the host has drawn, or a negative number. */
