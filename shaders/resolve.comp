@@ -90,7 +90,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g;
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g, view.drifted.w);
     /* Until a ray of its own has come, the distance is a neighbour's. */
     float old_distance_m = count < 1.0 && own ? 0.0 : data.r * distance_unit_m;
 
