@@ -34,7 +34,7 @@ typedef struct bench_case {
     bool (*run)(bench *b); /* false: failed, said */
 } bench_case;
 
-extern const bench_case bench_frame_cases[], bench_weather_cases[]; /* end with a null name */
+extern const bench_case bench_frame_cases[], bench_weather_cases[], bench_budget_cases[]; /* end with a null name */
 
 double bench_now_ms(void);
 /* Of all threads of the process: with a software device the work itself, whatever else the machine does. */

@@ -4,7 +4,7 @@
 
 #include "bench.h"
 
-static const bench_case *const tables[] = {bench_frame_cases, bench_weather_cases};
+static const bench_case *const tables[] = {bench_frame_cases, bench_weather_cases, bench_budget_cases};
 
 static int usage(int status) {
     fprintf(status ? stderr : stdout,

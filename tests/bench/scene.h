@@ -18,6 +18,7 @@ typedef struct scene {
     double position_ecef_m[3], right[3], up[3], forward[3];
     double sun[3];
     float ground_albedo[3];
+    float budget_ms; /* of the next eye; 0: none */
 } scene;
 
 typedef struct scene_eye {
