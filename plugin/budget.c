@@ -85,7 +85,7 @@ static void time_reason(const engine *e, eye *y) {
         [GOVERNOR_KEEPS] = "kept",
         [GOVERNOR_FALLS] = "was over, quality falls",
         [GOVERNOR_RISES] = "under, quality rises slowly",
-        [GOVERNOR_WAITS] = "under, but twice the rays have just proved too dear",
+        [GOVERNOR_WAITS] = "under, but twice the rays would be too dear",
         [GOVERNOR_LEAST] = "even the least plan is too dear",
         [GOVERNOR_MOST] = "the best plan is cheaper",
     };
@@ -93,7 +93,7 @@ static void time_reason(const engine *e, eye *y) {
     if (g->doing != GOVERNOR_BEGINS) {
         plan_reason(y, "; %.3g ms expected", (double)governor_expected_ms(g));
     }
-    if (y->budget_error > 0.0f && g->octaves < g->most) {
+    if (y->budget_error > 0.0f && g->doing != GOVERNOR_MOST && g->doing != GOVERNOR_BEGINS) {
         plan_reason(y, "; less than the error asks for");
     }
 }

@@ -20,34 +20,42 @@ enum {
 #define OVER 1.05f
 /* Octaves a frame. */
 #define RISE 0.04f
-/* March time goes with this power of the samples: a ray has costs of its own. On a software device 0.65 was measured in
- * a thunderstorm; where samples are all, 1. */
-#define SAMPLES_POWER 0.8f
+/* March time goes with a power of the samples: a ray has costs of its own. Where samples are all, 1; a software device
+ * had 0.65 in a thunderstorm. */
+#define POWER_FIRST 0.8f
+#define POWER_LEAST 0.3f
+#define POWER_MOST 1.2f
+/* Beyond these by so much it was the scene that changed. */
+#define POWER_SLACK 0.5f
+/* Octaves of samples from frame to frame that tell of it, and share of what they tell in what is believed. */
+#define TELLING_STEPS 0.4f
+#define TELLING_SHARE 0.3f
 /* Share of a new frame in the means of a track. */
 #define SMOOTH 0.07f
 /* Octaves from the median of three. */
 #define OUTLIER 0.5f
 #define LEAST_MS 1e-4f
 
-/* March time over that of preset low at the same rays. */
-static float octaves_of(uint32_t preset) {
-    return SAMPLES_POWER * log2f(preset_figures_of[preset].samples / preset_figures_of[0].samples);
+static float steps_of(uint32_t preset) {
+    return log2f(preset_figures_of[preset].samples / preset_figures_of[0].samples);
 }
 
-static float octaves_at(float preset) {
+static const uint32_t finest = PRESETS - 1;
+
+static float steps_at(float preset) {
     uint32_t below = (uint32_t)fminf(preset, (float)(PRESETS - 2));
-    float first = octaves_of(below);
-    return first + (preset - (float)below) * (octaves_of(below + 1) - first);
+    float first = steps_of(below);
+    return first + (preset - (float)below) * (steps_of(below + 1) - first);
 }
 
-static float preset_at(float octaves) {
+static float preset_at(float steps) {
     uint32_t below = 0;
-    while (below < PRESETS - 2 && octaves_of(below + 1) < octaves) {
+    while (below < PRESETS - 2 && steps_of(below + 1) < steps) {
         below++;
     }
-    float first = octaves_of(below);
-    float share = (octaves - first) / (octaves_of(below + 1) - first);
-    return fminf(fmaxf((float)below + share, 0.0f), (float)(PRESETS - 1));
+    float first = steps_of(below);
+    float share = (steps - first) / (steps_of(below + 1) - first);
+    return fminf(fmaxf((float)below + share, 0.0f), (float)finest);
 }
 
 static uint32_t density_of(uint32_t ray_rate) {
@@ -58,8 +66,12 @@ static uint32_t density_of(uint32_t ray_rate) {
     return density;
 }
 
-static float octaves_of_setting(governor_setting setting) {
-    return (float)density_of(setting.ray_rate) + octaves_at(setting.preset);
+static float octaves_of(const governor *g, governor_setting setting) {
+    return (float)density_of(setting.ray_rate) + g->power * steps_at(setting.preset);
+}
+
+float governor_octaves(const governor *g) {
+    return (float)g->density + g->power * g->steps;
 }
 
 static float median(float a, float b, float c) {
@@ -89,39 +101,75 @@ static bool is_known(const governor *g) {
     return g->cost.known >= KNOWN && g->rest.known >= KNOWN;
 }
 
+static void begin(governor *g) {
+    const governor_setting first = {.ray_rate = 1u << (DENSITY_MOST - DENSITY_PRESETS),
+                                    .preset = (float)g->first_preset};
+    const bool above = octaves_of(g, first) > octaves_of(g, g->most);
+    g->density = density_of(above ? g->most.ray_rate : first.ray_rate);
+    g->steps = steps_at(above ? g->most.preset : first.preset);
+}
+
 void governor_init(governor *g, float budget_ms, uint32_t first_preset, governor_setting most) {
     *g = (governor){.budget_ms = budget_ms,
-                    .first = (float)DENSITY_PRESETS + octaves_of(first_preset),
-                    .most = octaves_of_setting(most),
-                    .densest = density_of(most.ray_rate),
-                    .density = DENSITY_PRESETS,
+                    .first_preset = first_preset,
+                    .most = most,
+                    .power = POWER_FIRST,
                     .hold_next = HOLD_FIRST};
-    g->first = fminf(g->first, g->most);
-    g->octaves = g->first;
+    begin(g);
 }
 
 void governor_reset(governor *g) {
-    if (g->octaves > g->first) {
-        g->octaves = g->first;
-        g->density = DENSITY_PRESETS;
+    const governor before = *g;
+    begin(g);
+    if (governor_octaves(&before) < governor_octaves(g)) {
+        g->density = before.density;
+        g->steps = before.steps;
     }
     g->cost = g->rest = (governor_track){0};
+    g->newest = (governor_frame){0};
     g->rises = false;
     g->hold = 0;
     g->hold_next = HOLD_FIRST;
     g->epoch++;
 }
 
+/* From two frames in a row with quite different steps. */
+static void learn_power(governor *g, const governor_frame *frame) {
+    const governor_frame *last = &g->newest;
+    if (last->setting.ray_rate == 0) {
+        return;
+    }
+    float steps = steps_at(frame->setting.preset) - steps_at(last->setting.preset);
+    if (fabsf(steps) < TELLING_STEPS || frame->march_ms <= 0.0f || last->march_ms <= 0.0f) {
+        return;
+    }
+    float density = (float)density_of(frame->setting.ray_rate) - (float)density_of(last->setting.ray_rate);
+    float told = (log2f(frame->march_ms / last->march_ms) - density) / steps;
+    if (told < POWER_LEAST - POWER_SLACK || told > POWER_MOST + POWER_SLACK) {
+        return;
+    }
+    float before = g->power;
+    g->power += TELLING_SHARE * (fminf(fmaxf(told, POWER_LEAST), POWER_MOST) - before);
+    /* What is known of the cost stays true at the steps that it was learnt at. */
+    float shift = (before - g->power) * steps_at(last->setting.preset);
+    g->cost.value += shift;
+    for (int i = 0; i < 3; i++) {
+        g->cost.newest[i] += shift;
+    }
+}
+
 void governor_learn(governor *g, const governor_frame *frame) {
     if (frame->setting.epoch != g->epoch) {
         return;
     }
-    track(&g->cost, frame->march_ms * exp2f(-octaves_of_setting(frame->setting)));
+    learn_power(g, frame);
+    g->newest = *frame;
+    track(&g->cost, frame->march_ms * exp2f(-octaves_of(g, frame->setting)));
     track(&g->rest, frame->other_ms);
 }
 
 float governor_expected_ms(const governor *g) {
-    return is_known(g) ? exp2f(g->rest.value) + exp2f(g->cost.value + g->octaves) : 0.0f;
+    return is_known(g) ? exp2f(g->rest.value) + exp2f(g->cost.value + governor_octaves(g)) : 0.0f;
 }
 
 /* Octaves at which the frame takes so long; may be below 0. */
@@ -129,16 +177,18 @@ static float octaves_for(const governor *g, float ms) {
     return log2f(fmaxf(ms - exp2f(g->rest.value), LEAST_MS)) - g->cost.value;
 }
 
-/* Whether twice the rays may be tried: surely where even at the same steps they fit, otherwise unless it has just
- * failed. */
+/* Whether twice the rays may be tried: surely where even at the same steps they fit; otherwise where they should at
+ * the least steps, unless that has just failed. */
 static bool may_be_denser(const governor *g) {
-    float march_ms = exp2f(g->cost.value + g->octaves);
-    return g->density < g->densest && (g->hold == 0 || governor_expected_ms(g) + march_ms <= AIM_FALL * g->budget_ms);
+    float room = octaves_for(g, AIM_RISE * g->budget_ms);
+    return g->density < density_of(g->most.ray_rate) &&
+           (room >= governor_octaves(g) + 1.0f || (g->hold == 0 && room >= (float)(g->density + 1)));
 }
 
-/* Rays and steps overlap: a number of rays is kept as long as steps can make up for what is wanted. */
-static void share_out(governor *g) {
-    while (g->octaves < (float)g->density && g->density > 0) {
+/* Rays and steps for so many octaves. A number of rays is kept as long as steps can make up for what is wanted. */
+static void share_out(governor *g, float octaves) {
+    const float widest = g->power * steps_of(finest);
+    while (octaves < (float)g->density && g->density > 0) {
         g->density--;
         if (g->since_denser < g->hold_next) {
             g->hold = g->hold_next;
@@ -146,47 +196,58 @@ static void share_out(governor *g) {
         }
         g->since_denser = HOLD_MOST;
     }
-    const float widest = octaves_of(PRESETS - 1);
-    if (g->octaves > (float)g->density + widest && may_be_denser(g)) {
-        g->density++;
-        g->since_denser = 0;
+    if (octaves > (float)g->density + widest) {
+        if (may_be_denser(g)) {
+            g->density++;
+            g->since_denser = 0;
+        } else if (g->density < density_of(g->most.ray_rate)) {
+            g->doing = GOVERNOR_WAITS;
+        }
     }
-    if (g->octaves > (float)g->density + widest) {
-        g->octaves = (float)g->density + widest;
-        g->doing = g->density < g->densest ? GOVERNOR_WAITS : g->doing;
+    g->steps = fminf(fmaxf((octaves - (float)g->density) / g->power, 0.0f), steps_of(finest));
+}
+
+/* Octaves of the next frame. */
+static float octaves_next(governor *g) {
+    float octaves = governor_octaves(g);
+    float expected_ms = governor_expected_ms(g);
+    if (expected_ms > OVER * g->budget_ms) {
+        g->doing = GOVERNOR_FALLS;
+        g->rises = false;
+        return fminf(octaves, octaves_for(g, AIM_FALL * g->budget_ms));
     }
+    if (expected_ms < UNDER * g->budget_ms || g->rises) {
+        float wanted = octaves_for(g, AIM_RISE * g->budget_ms);
+        g->rises = wanted > octaves + RISE;
+        g->doing = GOVERNOR_RISES;
+        return fmaxf(octaves, fminf(wanted, octaves + RISE));
+    }
+    return octaves;
 }
 
 governor_setting governor_next(governor *g) {
-    float expected_ms = governor_expected_ms(g);
     g->hold -= g->hold > 0 ? 1 : 0;
     if (g->since_denser < HOLD_MOST && ++g->since_denser > g->hold_next) {
         g->hold_next = HOLD_FIRST;
     }
-    g->doing = is_known(g) ? GOVERNOR_KEEPS : GOVERNOR_BEGINS;
-    if (is_known(g) && expected_ms > OVER * g->budget_ms) {
-        g->doing = GOVERNOR_FALLS;
-        g->rises = false;
-        g->octaves = fminf(g->octaves, octaves_for(g, AIM_FALL * g->budget_ms));
-    } else if (is_known(g) && (expected_ms < UNDER * g->budget_ms || g->rises)) {
-        float wanted = octaves_for(g, AIM_RISE * g->budget_ms);
-        g->rises = wanted > g->octaves + RISE;
-        g->doing = GOVERNOR_RISES;
-        g->octaves = fmaxf(g->octaves, fminf(wanted, g->octaves + RISE));
+    g->doing = GOVERNOR_BEGINS;
+    if (is_known(g)) {
+        g->doing = GOVERNOR_KEEPS;
+        float octaves = octaves_next(g);
+        float most = octaves_of(g, g->most);
+        if (octaves <= 0.0f) {
+            octaves = 0.0f;
+            g->doing = g->doing == GOVERNOR_FALLS ? GOVERNOR_LEAST : g->doing;
+        } else if (octaves >= most) {
+            octaves = most;
+            g->doing = g->doing == GOVERNOR_RISES ? GOVERNOR_MOST : g->doing;
+        }
+        share_out(g, octaves);
     }
-    if (g->octaves <= 0.0f) {
-        g->octaves = 0.0f;
-        g->doing = g->doing == GOVERNOR_FALLS ? GOVERNOR_LEAST : g->doing;
-    } else if (g->octaves >= g->most) {
-        g->octaves = g->most;
-        g->doing = g->doing == GOVERNOR_RISES ? GOVERNOR_MOST : g->doing;
-    }
-    share_out(g);
     return governor_now(g);
 }
 
 governor_setting governor_now(const governor *g) {
-    return (governor_setting){.ray_rate = 1u << (DENSITY_MOST - g->density),
-                              .preset = preset_at(g->octaves - (float)g->density),
-                              .epoch = g->epoch};
+    return (governor_setting){
+        .ray_rate = 1u << (DENSITY_MOST - g->density), .preset = preset_at(g->steps), .epoch = g->epoch};
 }

@@ -23,7 +23,7 @@ typedef enum governor_doing {
     GOVERNOR_KEEPS,
     GOVERNOR_FALLS,
     GOVERNOR_RISES,
-    GOVERNOR_WAITS, /* twice the rays have just proved too dear */
+    GOVERNOR_WAITS, /* under, but twice the rays would be too dear, or have just proved so */
     GOVERNOR_LEAST, /* and still over */
     GOVERNOR_MOST   /* and still under */
 } governor_doing;
@@ -38,18 +38,20 @@ typedef struct governor_track {
 
 typedef struct governor {
     float budget_ms;
-    float first, most;         /* in octaves of march time over one ray for 64 pixels at low */
-    uint32_t densest;          /* log2 of 64 / ray_rate, at most */
-    governor_track cost, rest; /* march ms at octave 0; other ms */
-    float octaves;
-    uint32_t density; /* log2 of 64 / ray_rate */
+    uint32_t first_preset;
+    governor_setting most;
+    governor_track cost, rest; /* march ms of one ray for 64 pixels at low; other ms */
+    float power;               /* march time goes with this power of a preset's samples: learnt too */
+    governor_frame newest;     /* learnt from; ray_rate 0: none */
+    uint32_t density;          /* log2 of 64 / ray_rate */
+    float steps;               /* log2 of samples over those of low */
     bool rises;
     uint32_t since_denser, hold, hold_next; /* frames */
     uint32_t epoch;
     governor_doing doing;
 } governor;
 
-/* It begins with one ray for 16 pixels at `first`, and is never better than `most`. */
+/* It begins with one ray for 16 pixels at the steps of a preset, and is never better than `most`. */
 void governor_init(governor *g, float budget_ms, uint32_t first_preset, governor_setting most);
 /* Another scene: what was learnt is forgotten, and it begins no better than at first. */
 void governor_reset(governor *g);
@@ -60,5 +62,7 @@ governor_setting governor_next(governor *g);
 governor_setting governor_now(const governor *g);
 /* What a frame so made should take; 0: nothing learnt yet. */
 float governor_expected_ms(const governor *g);
+/* Log2 of its march time over that of one ray for 64 pixels at low. */
+float governor_octaves(const governor *g);
 
 #endif
