@@ -196,7 +196,7 @@ velum_result engine_complete(engine *e, uint64_t completed_serial) {
     }
     e->completed_serial = completed_serial;
     for (uint32_t i = 0; i < e->frames_in_flight; i++) {
-        stats_read(e, &e->slots[i]);
+        stats_read(e, &e->slots[(e->frames + i) % e->frames_in_flight]); /* the oldest first */
     }
     objects_bury(e);
     return VELUM_OK;
@@ -247,7 +247,7 @@ velum_result engine_begin_frame(engine *e, const velum_frame_info *frame) {
     }
     e->completed_serial = f.completed_serial;
     for (uint32_t i = 0; i < e->frames_in_flight; i++) {
-        stats_read(e, &e->slots[i]);
+        stats_read(e, &e->slots[(e->frames + i) % e->frames_in_flight]); /* the oldest first */
     }
     objects_bury(e);
     if (!frame_slot_begin(e, slot)) {

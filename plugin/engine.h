@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "core/drift.h"
 #include "core/geodesy.h"
+#include "governor.h"
 #include "gpu.h"
 #include "pages.h"
 #include "shared/arguments.h"
@@ -24,7 +25,8 @@ enum {
     STAGE_TOTAL_BYTES = 12 << 20, /* over all frames in flight */
     RENDER_TILES = 16,            /* rasterised by a frame at most where the host does not prepare() */
     SHADOW_LEVELS_MAX = 4,
-    PATH_BLOCK = 4 /* pixels of a march block's side at most */
+    PATH_BLOCK = 4, /* pixels of a march block's side, as presets have it */
+    RAY_RATE_MOST = 64
 };
 
 typedef struct engine engine;
@@ -94,6 +96,8 @@ typedef struct frame_record {
     uint64_t slice; /* of the reference; 0: none */
     uint32_t paths; /* that it has */
     uint32_t rounds;
+    bool is_governed; /* its time teaches its eye's governor */
+    governor_setting setting;
     velum_view_stats stats;
 } frame_record;
 
@@ -108,6 +112,7 @@ typedef struct frame_slot {
     uint32_t query_count;
     uint32_t shared_query, shadow_query[SHADOW_LEVELS_MAX * 4]; /* first of two */
     uint32_t shadow_queries;
+    uint32_t eye_count;  /* that its shared passes are for */
     gpu_buffer counters; /* read back */
     frame_record record[FRAME_RECORDS];
     uint32_t record_count;
@@ -194,6 +199,9 @@ struct eye {
     float wind_m_s[3]; /* of the cloud about the eye */
     velum_plan plan, imposed;
     bool is_imposed;
+    float budget_ms, budget_error; /* 0: none */
+    governor governor;             /* where there is a budget_ms */
+    bool is_governed;              /* the newest plan is the governor's */
     char reasons[1024];
 };
 
@@ -240,14 +248,15 @@ struct view {
     char name[64];
     uint32_t width, height;
     uint64_t last_serial;
-    uint64_t frame;    /* engine's count; 0: none */
-    uint32_t ray_rate; /* of the newest frame */
+    uint64_t frame;  /* engine's count; 0: none */
+    velum_plan plan; /* of the newest frame */
     gpu_image march_light, march_distance;
     gpu_buffer lit; /* of as many rays (shaders/lit.glsl): places, then their list */
     gpu_image history[2], history_data[2];
     uint32_t newest;  /* of history */
     uint32_t counter; /* frames since reset */
-    uint32_t settled; /* of them, before history was begun anew because the picture had come to rest */
+    uint32_t rounds;  /* in which every pixel's turn came, since history was begun, or begun anew at rest */
+    uint32_t begun;   /* counter since when one number of rays has held: rounds go on from there */
     uint32_t still;   /* frames in a row that showed the same */
     uint32_t rest;    /* so many are a rest: more than the host repeats a pose while it moves */
     bool has_moved;   /* some frame since then did not */
@@ -358,6 +367,7 @@ velum_result scattering_record(engine *e, VkCommandBuffer commands);
 
 /* plan.c */
 void plan_make(const engine *e, eye *y);
+void plan_reason(eye *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Whether it asks for what the ordinary pipelines do not do. */
 bool plan_is_study(const velum_plan *plan);
 velum_result plan_impose(eye *y, const velum_plan *plan);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
+#include "budget.h"
 #include "handle.h"
 
 static VkExtent3D extent_2d(uint32_t width, uint32_t height) {
@@ -86,8 +86,7 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
         !check_range(&check, "desc.quality", d.quality, VELUM_QUALITY_DEFAULT, VELUM_QUALITY_REFERENCE)) {
         return check.result;
     }
-    if (d.budget_ms != 0.0f || d.budget_error != 0.0f) {
-        check_fail(&check, VELUM_ERROR_FLAGS, "desc.budget_ms and budget_error: expected 0 (reserved)");
+    if (!budget_check(&check, &d)) {
         return check.result;
     }
     bool is_reference = d.quality == VELUM_QUALITY_REFERENCE;
@@ -110,6 +109,7 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
     y->e = e;
     y->has_study = has_study;
     y->quality = d.quality == VELUM_QUALITY_DEFAULT ? VELUM_QUALITY_MEDIUM : d.quality;
+    budget_init(y, &d);
     if (!init_storage_2d(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_W, VELUM_SKY_H)) {
         free_eye(y);
         return gpu_result(&e->g);

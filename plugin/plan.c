@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine.h"
+#include "budget.h"
 
 typedef struct preset {
     const char *name;
@@ -20,8 +20,25 @@ static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f}};
 
-static void reason(eye *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void reason(eye *y, const char *format, ...) {
+/* Lengths and counts between two presets; 0: low, 3: ultra. */
+static preset preset_between(float place) {
+    uint32_t below = (uint32_t)fminf(place, 2.0f);
+    float share = place - (float)below;
+    const preset *a = &presets[VELUM_QUALITY_LOW + (int)below];
+    const preset *b = a + 1;
+    preset p = share < 1.0f ? *a : *b;
+    if (share > 0.0f && share < 1.0f) {
+        p.march_steps =
+            (uint32_t)lroundf((float)a->march_steps + share * ((float)b->march_steps - (float)a->march_steps));
+        p.light_steps =
+            (uint32_t)lroundf((float)a->light_steps + share * ((float)b->light_steps - (float)a->light_steps));
+        p.step_m = a->step_m * powf(b->step_m / a->step_m, share);
+        p.step_growth = a->step_growth * powf(b->step_growth / a->step_growth, share);
+    }
+    return p;
+}
+
+void plan_reason(eye *y, const char *format, ...) {
     size_t used = strlen(y->reasons);
     va_list list;
     va_start(list, format);
@@ -32,49 +49,53 @@ static void reason(eye *y, const char *format, ...) {
 void plan_make(const engine *e, eye *y) {
     static const char *const slots[VELUM_SLOT_COUNT] = {"low",    "low 2", "cumulus", "storm",
                                                         "middle", "high",  "uniform", "uniform 2"};
-    const preset *p = &presets[y->quality];
     y->reasons[0] = '\0';
+    y->is_governed = false;
     if (y->is_imposed) {
         y->plan = y->imposed;
         y->plan.active_layers &= y->tiles.mask;
-        reason(y, "the host imposes this plan");
+        plan_reason(y, "the host imposes this plan");
         return;
     }
+    const governor_setting setting = budget_next(e, y);
+    const preset p = y->quality == VELUM_QUALITY_REFERENCE ? presets[y->quality] : preset_between(setting.preset);
     bool blends = e->weather.state[0] != e->weather.state[1];
     float distance_m = y->tiles.has_set && y->tiles.mask ? (float)y->tiles.set.distance_m : 1000.0f;
     y->plan = (velum_plan){.struct_size = sizeof y->plan,
                            .active_layers = y->tiles.mask,
-                           .march_steps = p->march_steps,
-                           .light_steps = p->light_steps,
-                           .ray_rate = 16,
-                           .octaves = p->octaves,
+                           .march_steps = p.march_steps,
+                           .light_steps = p.light_steps,
+                           .ray_rate = setting.ray_rate,
+                           .octaves = p.octaves,
                            .blending = blends,
-                           .step_m = p->step_m,
-                           .step_growth = p->step_growth,
+                           .step_m = p.step_m,
+                           .step_growth = p.step_growth,
                            .distance_m = distance_m};
-    reason(y, "quality %s: %u steps from %g m, %u towards the sun, 1 ray for 16 pixels", p->name, p->march_steps,
-           (double)p->step_m, p->light_steps);
+    plan_reason(y, "quality %s%s: %u steps from %g m, %u towards the sun, 1 ray for %u pixels", p.name,
+                setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
+                p.light_steps, setting.ray_rate);
+    budget_reasons(e, y);
     if (y->tiles.mask == 0) {
-        reason(y, "\nno cloud within sight: no steps");
+        plan_reason(y, "\nno cloud within sight: no steps");
         y->plan.march_steps = 1;
     }
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         if (y->tiles.mask & (1u << slot)) {
-            reason(y, "\nlayers '%s' between %.0f and %.0f m HAE", slots[slot], (double)y->tiles.base_m[slot],
-                   (double)y->tiles.top_m[slot]);
+            plan_reason(y, "\nlayers '%s' between %.0f and %.0f m HAE", slots[slot], (double)y->tiles.base_m[slot],
+                        (double)y->tiles.top_m[slot]);
         }
     }
     if (y->tiles.mask) {
-        reason(y, "\nrays end at %.0f m: horizon of the highest cloud", (double)distance_m);
+        plan_reason(y, "\nrays end at %.0f m: horizon of the highest cloud", (double)distance_m);
     }
     if (blends) {
-        reason(y, "\ntwo weather states, %.3f of the second", (double)e->weather.blend);
+        plan_reason(y, "\ntwo weather states, %.3f of the second", (double)e->weather.blend);
     }
     if (y->degraded) {
-        reason(y, "\nfar tiles are coarser: the pages do not suffice");
+        plan_reason(y, "\nfar tiles are coarser: the pages do not suffice");
     }
     if (y->incomplete) {
-        reason(y, "\ntiles are missing: coarser ones stand in");
+        plan_reason(y, "\ntiles are missing: coarser ones stand in");
     }
 }
 
@@ -132,8 +153,9 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         !check_range(&check, "plan.distance_m", (double)p.distance_m, 1.0, 1e7)) {
         return check.result;
     }
-    if (p.ray_rate != 1 && p.ray_rate != 2 && p.ray_rate != 4 && p.ray_rate != 16) {
-        check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4 or 16", p.ray_rate);
+    if (p.ray_rate == 0 || p.ray_rate > RAY_RATE_MOST || (p.ray_rate & (p.ray_rate - 1)) != 0) {
+        check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4, 8, 16, 32 or 64",
+                   p.ray_rate);
         return check.result;
     }
     if (!check_study(&check, y, &p)) {

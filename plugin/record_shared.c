@@ -156,6 +156,7 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
     if (result < 0) {
         return result;
     }
+    e->now->eye_count = count;
     uint32_t budget = e->owner ? UINT32_MAX : world_is_prepared(e->w) ? 0 : RENDER_TILES;
     tiles_context context = record_tiles_context(e, &budget, copies, EYES_MAX);
     velum_result worst = VELUM_OK;

@@ -5,12 +5,12 @@
 
 #include "blocks.h"
 
-/* Order of the pixels of a block: a dispersed-dot threshold matrix (Bayer 1973), by which any first n are spread. */
-static const uint8_t order_16[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
-static const uint8_t order_4[4] = {0, 3, 1, 2};
-
 /* Samples that a pixel's history counts for at most while the picture moves. */
 #define MOVING_SAMPLES 3.0f
+/* The same while it stands: always, and in a frame that is made otherwise than the one before, so that no jump shows
+ * and the new way takes over. */
+#define STANDING_SAMPLES 1024.0f
+#define OTHER_PLAN_SAMPLES 8.0f
 /* Beyond these an eye has not flown but been put elsewhere; in orbit it makes 8 km/s. */
 #define JUMP_S 5.0
 #define JUMP_M 1000.0
@@ -171,12 +171,11 @@ static bool eye_jumped(const camera *before, const camera *now) {
     return !(dt <= JUMP_S && away2 <= reach_m * reach_m);
 }
 
-static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
-                        uint32_t ray_rate) {
+static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now) {
     const camera *before = &v->before;
     return !v->has_camera || (f->flags & VELUM_VIEW_CUT) || v->eye->reset || now->width != before->width ||
-           now->height != before->height || now->flags != before->flags || v->ray_rate != ray_rate ||
-           eye_jumped(before, now) || weather_jumped(e, before, now);
+           now->height != before->height || now->flags != before->flags || eye_jumped(before, now) ||
+           weather_jumped(e, before, now);
 }
 
 static bool stands_still(const camera *a, const camera *b) {
@@ -190,18 +189,30 @@ static bool stands_still(const camera *a, const camera *b) {
 /* What this frame makes of a view's history. */
 typedef struct history_turn {
     bool anew, settles;
-    uint32_t counter, settled, still, rest; /* as those of the view */
+    bool other_plan;                              /* than that of the frame before */
+    uint32_t counter, still, rest, rounds, begun; /* as those of the view */
     bool has_moved;
 } history_turn;
 
+/* Whether rays and steps are the same. */
+static bool same_picture(const velum_plan *a, const velum_plan *b) {
+    return a->flags == b->flags && a->march_steps == b->march_steps && a->light_steps == b->light_steps &&
+           a->ray_rate == b->ray_rate && a->octaves == b->octaves && a->step_m == b->step_m &&
+           a->step_growth == b->step_growth && a->integrator == b->integrator && a->scattering == b->scattering &&
+           a->sun_depth == b->sun_depth && a->long_step == b->long_step && a->thin_density == b->thin_density &&
+           a->exit_transmittance == b->exit_transmittance;
+}
+
 static history_turn turn_of(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
-                            uint32_t ray_rate) {
-    if (starts_anew(e, v, f, now, ray_rate)) {
+                            const velum_plan *plan) {
+    if (starts_anew(e, v, f, now)) {
         return (history_turn){.anew = true, .rest = 1};
     }
     bool is_still = stands_still(now, &v->before);
     history_turn t = {.counter = v->counter,
-                      .settled = v->settled,
+                      .other_plan = !same_picture(&v->plan, plan),
+                      .rounds = v->rounds,
+                      .begun = v->begun,
                       .still = is_still ? v->still + 1 : 0,
                       .rest = v->rest,
                       .has_moved = v->has_moved || !is_still};
@@ -213,8 +224,12 @@ static history_turn turn_of(const engine *e, const view *v, const velum_view_fra
     /* A progressive mean that moved pictures have gone into would keep them. */
     t.settles = t.has_moved && t.still >= v->rest;
     if (t.settles) {
-        t.settled = t.counter;
+        t.rounds = 0;
+        t.begun = t.counter;
         t.has_moved = false;
+    } else if (plan->ray_rate != v->plan.ray_rate) {
+        t.rounds += (t.counter - t.begun + v->plan.ray_rate - 1) / v->plan.ray_rate;
+        t.begun = t.counter;
     }
     return t;
 }
@@ -239,8 +254,22 @@ typedef struct block_size {
 } block_size;
 
 static block_size block_of(uint32_t ray_rate) {
-    const uint32_t side = ray_rate == 16 ? 4 : ray_rate == 4 ? 2 : 1;
-    return ray_rate == 2 ? (block_size){2, 1} : (block_size){side, side};
+    block_size side = {1, 1};
+    for (; ray_rate > 1; ray_rate /= 2) {
+        *(side.w > side.h ? &side.h : &side.w) *= 2;
+    }
+    return side;
+}
+
+/* Order of the pixels of a block: a dispersed-dot threshold matrix (Bayer 1973), by which any first n are spread. A
+ * block twice as wide as high is two such, in turn. */
+static void place_of_turn(block_size side, uint32_t turn, uint32_t *x, uint32_t *y) {
+    *x = *y = 0;
+    for (uint32_t step = side.h / 2; step > 0; step /= 2, turn /= 4) {
+        *x += (turn % 4 == 1 || turn % 4 == 2 ? step : 0) * (side.w / side.h);
+        *y += turn % 4 == 1 || turn % 4 == 3 ? step : 0;
+    }
+    *x += side.w > side.h ? turn % 2 : 0;
 }
 
 _Static_assert(VELUM_STUDY_STEP_THROUGH == VELUM_PLAN_STEP_THROUGH &&
@@ -274,6 +303,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     for (int i = 0; i < 3; i++) {
         out->drifted[i] = y->wind_m_s[i] * dt;
     }
+    out->drifted[3] = history->other_plan ? OTHER_PLAN_SAMPLES : STANDING_SAMPLES;
     out->scale[0] = now->scale;
     out->scale[1] = f->jitter_x;
     out->scale[2] = f->jitter_y;
@@ -285,7 +315,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     const block_size side = block_of(plan->ray_rate);
     const uint32_t turns = side.w * side.h;
     const uint32_t counter = history->counter;
-    const uint32_t round = (counter - history->settled) / turns;
+    const uint32_t round = history->rounds + (counter - history->begun) / turns;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
     const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
                                     counter};
@@ -294,13 +324,13 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
                      (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u);
-    uint32_t cell = turns == 16 ? order_16[counter % 16] : turns == 4 ? order_4[counter % 4] : counter % turns;
-    const uint32_t frame[4] = {cell, flags, f->array_layer, (uint32_t)e->w->seed};
+    uint32_t x, row;
+    place_of_turn(side, counter % turns, &x, &row);
+    const uint32_t frame[4] = {row * side.w + x, flags, f->array_layer, (uint32_t)e->w->seed};
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
     memcpy(out->frame, frame, sizeof frame);
-    const uint32_t turn[4] = {cell % side.w, cell / side.w, side.w > side.h,
-                              (uint32_t)(65536.0f * radical_inverse(3, round))};
+    const uint32_t turn[4] = {x, row, turns == 2, (uint32_t)(65536.0f * radical_inverse(3, round))};
     memcpy(out->turn, turn, sizeof turn);
     out->room[0] = (float)v->march_light.extent.width;
     out->room[1] = (float)v->march_light.extent.height;
@@ -490,7 +520,6 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         return check.result;
     }
     frame_slot *slot = e->now;
-    uint32_t ray_rate = y->plan.ray_rate;
     if (slot->record_count == FRAME_RECORDS) {
         check_fail(&check, VELUM_ERROR_OUT_OF_MEMORY, "more than %u views in a frame", FRAME_RECORDS);
         return check.result;
@@ -501,12 +530,12 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    const block_size side = block_of(ray_rate);
+    const block_size side = block_of(y->plan.ray_rate);
     if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);
-    history_turn history = turn_of(e, v, &f, &now, ray_rate);
+    history_turn history = turn_of(e, v, &f, &now, &y->plan);
     velum_view_block block;
     fill_view(v, &f, &im, &now, &history, &block);
     uint32_t counter = slot->record_count;
@@ -522,6 +551,8 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     record_passes(v, commands, &block, im.layers != 0, counter, query);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
+                                                        .is_governed = y->is_governed,
+                                                        .setting = governor_now(&y->governor),
                                                         .stats = {.incomplete = y->incomplete,
                                                                   .frame = e->newest_serial,
                                                                   .revision = e->weather.revision,
@@ -529,13 +560,14 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
                                                                   .view_bytes = v->bytes}};
     v->newest ^= 1u;
     v->counter = history.counter + 1;
-    v->settled = history.settled;
+    v->rounds = history.rounds;
+    v->begun = history.begun;
     v->still = history.still;
     v->rest = history.rest;
     v->has_moved = history.has_moved;
     v->before = now;
     v->has_camera = true;
-    v->ray_rate = ray_rate;
+    v->plan = y->plan;
     v->frame = e->frames;
     v->last_serial = e->newest_serial;
     return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;

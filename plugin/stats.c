@@ -1,6 +1,6 @@
 #include <string.h>
 
-#include "engine.h"
+#include "budget.h"
 #include "shared/reference.h"
 
 typedef struct timestamp {
@@ -69,6 +69,7 @@ void stats_read(engine *e, frame_slot *slot) {
         }
         record->v->has_stats = true;
     }
+    budget_learn(e, slot);
     slot->serial = 0;
 }
 

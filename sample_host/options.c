@@ -19,8 +19,8 @@ void options_print_usage(void) {
         "velum-host play SCENARIO [--weather FILE]... [--out DIR] [--format png,exr] [--size WxH]\n"
         "    [--channels a,b,c] [--at T | --from T --to T --fps F] [--settle N]\n"
         "    [--pose lat,lon,height,heading,pitch,roll] [--quality low|medium|high|ultra|reference] [--spp N]\n"
-        "    [--error E] [--device auto|cpu|INDEX] [--window] [--stats FILE] [--plugin PATH] [--validate]\n"
-        "    [--no-cache]\n"
+        "    [--error E] [--budget-ms X] [--budget-error X] [--device auto|cpu|INDEX] [--window] [--stats FILE]\n"
+        "    [--plugin PATH] [--validate] [--no-cache]\n"
         "velum-host probe  SCENARIO --at T [--pose ...]     one JSON object: what the weather is there\n"
         "velum-host shadow SCENARIO --at T --out FILE.exr   a cloud shadow map; its geometry as JSON on stdout\n"
         "velum-host tiles  SCENARIO --at T --out DIR        the weather around the eye as pictures, with their "
@@ -42,6 +42,11 @@ void options_print_usage(void) {
         "The reference stops at --spp N paths a pixel or at a mean relative standard error of --error E, whichever is "
         "first;\n"
         "without either at 64 paths.\n"
+        "--budget-ms X: rays and steps so that all channels together take X ms of the device a frame, beginning with "
+        "those\n"
+        "of --quality. --budget-error X: the cheapest quality whose measured relative error is X or less. Both: the "
+        "time\n"
+        "holds, and no better quality than the error asks for. --stats tells each frame's plan and its reasons.\n"
         "Keys in a window: space pauses, arrows seek, r reverses, q and Escape close.\n",
         stdout);
 }
@@ -226,6 +231,16 @@ static bool set_error(struct options *options, const char *name, const char *val
            expected(name, value, "a relative standard error, above 0, at most 1");
 }
 
+static bool set_budget_ms(struct options *options, const char *name, const char *value) {
+    return parse_number(value, 1e-3, 1e4, &options->budget_ms) ||
+           expected(name, value, "milliseconds of the device a frame, 0.001 to 10000");
+}
+
+static bool set_budget_error(struct options *options, const char *name, const char *value) {
+    return parse_number(value, 1e-3, 1, &options->budget_error) ||
+           expected(name, value, "a relative error, 0.001 to 1");
+}
+
 static bool set_device(struct options *options, const char *name, const char *value) {
     uint32_t index = 0;
     if (strcmp(value, "auto") == 0) {
@@ -290,6 +305,8 @@ static const struct {
     {"--quality", PLAY, true, set_quality},
     {"--spp", PLAY, true, set_spp},
     {"--error", PLAY, true, set_error},
+    {"--budget-ms", PLAY, true, set_budget_ms},
+    {"--budget-error", PLAY, true, set_budget_error},
     {"--device", PLAY | SHADOW, true, set_device},
     {"--window", PLAY, false, set_window},
     {"--stats", PLAY, true, set_stats},
@@ -340,6 +357,10 @@ static bool check_together(const struct options *options) {
         error = "--spp needs --quality reference";
     } else if (options->error > 0 && options->quality != VELUM_QUALITY_REFERENCE) {
         error = "--error needs --quality reference";
+    } else if (options->budget_ms > 0 && options->quality == VELUM_QUALITY_REFERENCE) {
+        error = "--budget-ms does not go with --quality reference";
+    } else if (options->budget_error > 0 && options->quality == VELUM_QUALITY_REFERENCE) {
+        error = "--budget-error does not go with --quality reference; --error stops it";
     } else if (options->window && (options->out || options->exr)) {
         error = "--window does not go with --out or --format exr";
     } else if (options->window && (options->has_at || options->settle > 0)) {

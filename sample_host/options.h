@@ -27,10 +27,11 @@ struct options {
     uint32_t settle; /* 0: not given */
     bool has_pose;
     velum_scenario_camera pose;
-    int32_t quality; /* VELUM_QUALITY_* */
-    uint32_t spp;    /* of the reference; 0: not given */
-    double error;    /* relative, at which the reference stops; 0: not given */
-    int32_t device;  /* index, DEVICE_AUTO or DEVICE_CPU */
+    int32_t quality;                /* VELUM_QUALITY_* */
+    uint32_t spp;                   /* of the reference; 0: not given */
+    double error;                   /* relative, at which the reference stops; 0: not given */
+    double budget_ms, budget_error; /* of the eye; 0: not given */
+    int32_t device;                 /* index, DEVICE_AUTO or DEVICE_CPU */
     bool window;
     bool validate;
     bool no_cache;

@@ -103,7 +103,10 @@ static bool create_engine(struct renderer *renderer, const struct renderer_info 
     velum_result result = plugin->vulkan->create_engine(&lend, &renderer->engine);
     free(cache);
     if (result >= 0) {
-        const velum_eye_desc eye = {.struct_size = sizeof eye, .quality = info->options->quality};
+        const velum_eye_desc eye = {.struct_size = sizeof eye,
+                                    .quality = info->options->quality,
+                                    .budget_ms = (float)info->options->budget_ms,
+                                    .budget_error = (float)info->options->budget_error};
         what = "eye";
         result = plugin->engine->create_eye(renderer->engine, &eye, &renderer->eye);
     }

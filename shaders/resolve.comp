@@ -92,9 +92,20 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
     vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g;
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g, view.drifted.w);
     /* Until a ray of its own has come, the distance is a neighbour's. */
     float old_distance_m = count < 1.0 && own ? 0.0 : data.r * distance_unit_m;
+
+    /* No ray of its own yet: between those of pixels beside it that have had one. */
+    vec4 beside = vec4(0.0);
+    float rays_beside = 0.0;
+    for (int k = !own && data.g < 0.5 ? 0 : 9; k < 9; ++k) {
+        ivec2 there = clamp(old_pixel + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(size) - 1);
+        float seen = texelFetch(history_data_in, there, 0).g < 0.5 ? 0.0 : 1.0;
+        beside += seen * texelFetch(history_in, there, 0);
+        rays_beside += seen;
+    }
+    old = rays_beside > 0.0 ? beside / rays_beside : old;
 
     /* What this frame saw around the pixel bounds what can have been there. */
     vec4 low = fresh.light;
@@ -124,11 +135,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     } else if (count < 0.5) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
-        if (!still) {
-            result.light = mix(old, fresh.light, 0.25);
-        } else {
-            result.light = fresh.light;
-        }
+        result.light = mix(old, fresh.light, still ? 1.0 / (1.0 + rays_beside) : 0.25);
     } else {
         result.light = old;
         result.distance_m = old_distance_m;

@@ -74,7 +74,8 @@ view_ray ray_of_pixel(ivec2 pixel) {
 
 /* Four numbers that differ between neighbours, in pixels and in blocks of rays. */
 uint dither(ivec2 pixel, int x, int y) {
-    return uint(x * (pixel.x + (pixel.x >> 2)) + y * (pixel.y + (pixel.y >> 2))) & 3u;
+    ivec2 mixed = pixel + (pixel >> 2) + (pixel >> 3);
+    return uint(x * mixed.x + y * mixed.y) & 3u;
 }
 
 /* Share of its length at which a step is sampled: another for each pixel and each round of frames, in quarters. After

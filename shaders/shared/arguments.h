@@ -68,13 +68,13 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(before_up);
     VELUM_VEC4(before_forward);
     VELUM_VEC4(before_offset);
-    VELUM_VEC4(drifted); /* how far the cloud over the eye has drifted since, m; w: 0 */
+    VELUM_VEC4(drifted); /* how far the cloud over the eye has drifted since, m; w: samples that history counts for */
     VELUM_VEC4(
         scale); /* luminance scale; jitter x, y in pixels; samples that history counts for while moving, 0: still */
     VELUM_VEC4(depth);       /* convention, near m, far m; greatest number that the images can hold */
     VELUM_UVEC4(size);       /* width, height, x, y of the sub-rectangle */
-    VELUM_UVEC4(march_size); /* width, height of the march images; rays' block width (4, 2 or 1); frames since reset */
-    VELUM_UVEC4(frame);      /* pixel of the block this frame (index 0..15); VELUM_VIEW_BLOCK_*; array layer; seed */
+    VELUM_UVEC4(march_size); /* width, height of the march images; rays' block width (1 to 8); frames since reset */
+    VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);       /* first step m, growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
     VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; what

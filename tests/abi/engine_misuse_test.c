@@ -95,15 +95,27 @@ static void objects_are_made_of_sound_descriptions(void **state) {
         misuse_expect(&eye, VELUM_ERROR_ARGUMENT, "quality");
     }
     f.eye_desc.quality = VELUM_QUALITY_LOW;
-    const float budgets[] = {1.0f, -1.0f, NAN, INFINITY};
+    const float budgets[] = {1e-4f, 10001.0f, -1.0f, NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < COUNT(budgets); i++) {
-        f.eye_desc.budget_ms = budgets[i]; /* reserved: must be 0 */
-        misuse_expect(&eye, VELUM_ERROR_FLAGS, "budget_ms");
-        f.eye_desc.budget_ms = 0.0f;
+        f.eye_desc.budget_ms = budgets[i];
+        misuse_expect(&eye, VELUM_ERROR_ARGUMENT, "budget_ms");
+        f.eye_desc.budget_ms = 1.0f;
         f.eye_desc.budget_error = budgets[i];
-        misuse_expect(&eye, VELUM_ERROR_FLAGS, "budget_error");
+        misuse_expect(&eye, VELUM_ERROR_ARGUMENT, "budget_error");
+        f.eye_desc.budget_ms = 0.0f;
+        misuse_expect(&eye, VELUM_ERROR_ARGUMENT, "budget_error");
         f.eye_desc.budget_error = 0.0f;
     }
+    const float sound[][2] = {{0.001f, 0.0f}, {10000.0f, 0.0f}, {0.0f, 0.001f}, {0.0f, 1.0f}, {5.0f, 0.15f}};
+    for (size_t i = 0; i < COUNT(sound); i++) {
+        f.eye_desc.budget_ms = sound[i][0];
+        f.eye_desc.budget_error = sound[i][1];
+        misuse_expect_ok(&eye, "an eye with budgets");
+        f.eye_desc.quality = VELUM_QUALITY_REFERENCE;
+        misuse_expect(&eye, VELUM_ERROR_ARGUMENT, sound[i][0] > 0.0f ? "budget_ms" : "budget_error");
+        f.eye_desc.quality = VELUM_QUALITY_LOW;
+    }
+    f.eye_desc.budget_ms = f.eye_desc.budget_error = 0.0f;
 
     misuse view = engine_fixture_misuse(&f, "create_view", call_create_view);
     misuse_struct(&view, &f.view_desc, sizeof f.view_desc, true, 0);
@@ -342,10 +354,13 @@ static void answers_are_checked(void **state) {
         RULE(velum_plan, exit_transmittance, FIELD_F32, 0, 0.9),
     };
     misuse_rules(&m, &f.plan, rules, COUNT(rules), false);
-    static const uint32_t rates[] = {0, 3, 5, 8, 15, 17, 64, UINT32_MAX};
+    static const uint32_t rates[] = {0, 3, 5, 12, 15, 17, 63, 65, 128, UINT32_MAX};
     for (size_t i = 0; i < COUNT(rates); i++) {
         f.plan.ray_rate = rates[i];
         misuse_expect(&m, VELUM_ERROR_ARGUMENT, "ray_rate");
+    }
+    for (f.plan.ray_rate = 1; f.plan.ray_rate <= 64; f.plan.ray_rate *= 2) {
+        misuse_expect_ok(&m, "ray_rate");
     }
     f.plan = plan;
     f.plan.march_steps = UINT32_MAX;

@@ -39,7 +39,7 @@ typedef struct bench_case {
 
 /* Each ends with a null name. */
 extern const bench_case bench_frame_cases[], bench_weather_cases[], bench_fetch_cases[], bench_scaling_cases[],
-    bench_motion_cases[], bench_flicker_cases[];
+    bench_motion_cases[], bench_flicker_cases[], bench_budget_cases[];
 
 double bench_now_ms(void);
 /* Of all threads of the process: with a software device the work itself, whatever else the machine does. */

@@ -5,7 +5,8 @@
 #include "bench.h"
 
 static const bench_case *const tables[] = {bench_frame_cases,   bench_weather_cases, bench_fetch_cases,
-                                           bench_scaling_cases, bench_motion_cases,  bench_flicker_cases};
+                                           bench_scaling_cases, bench_motion_cases,  bench_flicker_cases,
+                                           bench_budget_cases};
 
 static int usage(int status) {
     fprintf(status ? stderr : stdout,

@@ -159,7 +159,7 @@ void scene_finish(scene *s) {
 bool scene_eye_init(scene *s, scene_eye *eye, int32_t quality, uint32_t views, uint32_t width, uint32_t height) {
     const velum_engine_api *api = s->b->host.engine;
     *eye = (scene_eye){.count = views, .width = width, .height = height};
-    velum_eye_desc eye_desc = {.struct_size = sizeof eye_desc, .quality = quality};
+    velum_eye_desc eye_desc = {.struct_size = sizeof eye_desc, .quality = quality, .budget_ms = s->budget_ms};
     velum_result result = api->create_eye(s->engine, &eye_desc, &eye->eye);
     for (uint32_t i = 0; i < views && result >= 0; i++) {
         velum_view_desc desc = {.struct_size = sizeof desc, .width = width, .height = height};

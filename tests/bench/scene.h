@@ -19,6 +19,7 @@ typedef struct scene {
     double sun[3];
     float ground_albedo[3];
     double half_width_deg; /* of a view */
+    float budget_ms; /* of the next eye; 0: none */
 } scene;
 
 typedef struct scene_eye {

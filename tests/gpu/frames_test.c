@@ -148,8 +148,8 @@ static void runs_in_silence(void **state) {
     assert_non_null(strstr(reasons, "quality low"));
     assert_int_equal(plan.active_layers, 4);
     /* Other rates of rays, imposed. */
-    static const uint32_t rates[] = {4, 1, 16};
-    for (int i = 0; i < 3; i++) {
+    static const uint32_t rates[] = {4, 1, 64, 8, 32, 16};
+    for (int i = 0; i < 6; i++) {
         plan.ray_rate = rates[i];
         assert_int_equal(h.f.engine_api->set_plan(h.eye, &plan), VELUM_OK);
         for (int k = 0; k < 3; k++) {

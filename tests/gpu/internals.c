@@ -19,3 +19,9 @@ uint64_t fixture_view_bytes(velum_view *handle) {
     assert_non_null(v);
     return v->bytes;
 }
+
+void fixture_forget_timestamps(velum_engine *handle) {
+    engine *e = handle_get(handle, HANDLE_ENGINE);
+    assert_non_null(e);
+    e->g.has_timestamps = false;
+}

@@ -399,13 +399,13 @@ static void depth_towards_the_sun(void **state) {
 /* Standing still, once every pixel has had a ray, all rates give one picture. */
 static void rates_share_their_rays(void **state) {
     (void)state;
-    static const uint32_t rates[] = {1, 2, 4, 16};
+    static const uint32_t rates[] = {1, 2, 4, 8, 16, 32, 64};
     static float light[PIXELS * 3];
     rig r;
     rig_init(&r);
     clouds(&r);
     velum_plan plan = plan_of();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 7; i++) {
         plan.ray_rate = rates[i];
         draw_plan(&r, &plan, rates[i]);
         assert_int_equal(r.stats.rays, PIXELS / rates[i]);

@@ -70,6 +70,16 @@ refused '--quality: found .best.' play "$good" --quality best
 refused '--spp needs --quality reference' play "$good" --spp 16
 refused '--error needs --quality reference' play "$good" --error 0.1
 refused '--error: found .0.' play "$good" --quality reference --error 0
+refused '--budget-ms: found .0., expected milliseconds' play "$good" --budget-ms 0
+refused '--budget-ms: found .nan.' play "$good" --budget-ms nan
+refused '--budget-ms: found .-3.' play "$good" --budget-ms -3
+refused '--budget-ms: found .10001.' play "$good" --budget-ms 10001
+refused '--budget-ms: a value is missing' play "$good" --budget-ms
+refused '--budget-ms: not an option of .probe.' probe "$good" --at 0 --budget-ms 3
+refused '--budget-error: found .2., expected a relative error' play "$good" --budget-error 2
+refused '--budget-error: found .inf.' play "$good" --budget-error inf
+refused '--budget-ms does not go with --quality reference' play "$good" --quality reference --budget-ms 5
+refused '--budget-error does not go with --quality reference' play "$good" --budget-error 0.1 --quality reference
 refused '--device: found .fast.' play "$good" --device fast
 refused '--window does not go with --out' play "$good" --window --out "$work/x"
 refused 'no display' play "$good" --window

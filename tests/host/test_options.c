@@ -57,6 +57,10 @@ static void defaults(void **state) {
     assert_true(parse("play s.json --format exr --device cpu", &o));
     assert_true(!o.png && o.exr);
     assert_int_equal(o.device, DEVICE_CPU);
+    assert_true(o.budget_ms == 0 && o.budget_error == 0);
+    assert_true(parse("play s.json --budget-ms 2.5 --budget-error=0.15 --quality high", &o));
+    assert_true(o.budget_ms == 2.5 && o.budget_error == 0.15);
+    assert_int_equal(o.quality, VELUM_QUALITY_HIGH);
 }
 
 static void times_of_pictures(void **state) {
