@@ -32,21 +32,24 @@ typedef struct eye eye;
 typedef struct view view;
 typedef struct shadow shadow;
 
+/* Variants of a pass: two weather states, or two lives of the noise; layers with scud or precipitation. */
+enum { PASS_MIXED = 1, PASS_FRINGED = 2, PASS_VARIANTS = 4 };
+
 typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
-    PASS_MARCH,
-    PASS_MARCH_MIXED, /* two weather states, or two lives of the noise */
-    PASS_MARCH_STUDY, /* these two are made with the first eye that wants them */
-    PASS_MARCH_STUDY_MIXED,
-    PASS_RESOLVE,
+    PASS_MARCH,                                    /* four variants: PASS_MIXED and PASS_FRINGED are added */
+    PASS_MARCH_STUDY = PASS_MARCH + PASS_VARIANTS, /* the same; made with the first eye that wants them */
+    PASS_MARCH_END = PASS_MARCH_STUDY + PASS_VARIANTS,
+    PASS_RESOLVE = PASS_MARCH_END,
     PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
     PASS_RESOLVE_LAYERED,
     PASS_RESOLVE_LAYERED_GROUND,
-    PASS_SHADOW,
-    PASS_SHADOW_MIXED,
-    PASS_REFERENCE, /* of everything; from here on made with the first eye that wants them */
+    PASS_SHADOW, /* four */
+    PASS_REFERENCE =
+        PASS_SHADOW + PASS_VARIANTS, /* of everything; from here on made with the first eye that wants them */
+    PASS_REFERENCE_FRINGED,
     PASS_REFERENCE_RESOLVE,
     PASS_REFERENCE_RESOLVE_LAYERED,
     PASS_REFERENCE_ERROR,
@@ -73,8 +76,10 @@ uint32_t pipelines_reference_lanes(const gpu *g);
 velum_result pipelines_add_study(pipelines *p, gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
+/* A variant of PASS_FRINGED, made when a frame first has such weather. False: the device refuses. */
+bool pipelines_want(pipelines *p, gpu *g, pass which);
 /* The tracer for what a frame has, made when it is first asked for. Null: the device refuses. */
-VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots);
+VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed);
 void pipelines_finish(pipelines *p, gpu *g);
 /* As get_pipeline_cache. */
 velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size);

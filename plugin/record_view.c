@@ -440,6 +440,11 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
     return true;
 }
 
+static pass march_of(const eye *y) {
+    const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
+    return (pass)((plan_is_study(&y->plan) ? PASS_MARCH_STUDY : PASS_MARCH) + kind);
+}
+
 static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered,
                           uint32_t counter, uint32_t query) {
     engine *e = v->eye->e;
@@ -458,10 +463,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     bool ground = (block->frame[1] & VELUM_VIEW_BLOCK_GROUND) != 0;
     pass resolve = layered ? (ground ? PASS_RESOLVE_LAYERED_GROUND : PASS_RESOLVE_LAYERED)
                            : (ground ? PASS_RESOLVE_GROUND : PASS_RESOLVE);
-    bool study = plan_is_study(&v->eye->plan);
-    pass march =
-        blocks_mix(e) ? (study ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_MIXED) : (study ? PASS_MARCH_STUDY : PASS_MARCH);
-    record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
+    record_dispatch(e, commands, march_of(v->eye), block->march_size[0], block->march_size[1]);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
@@ -505,7 +507,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    if (!grow_march(v, block_of(ray_rate))) {
+    if (!grow_march(v, block_of(ray_rate)) || !pipelines_want(&e->passes, &e->g, march_of(y))) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);

@@ -32,6 +32,7 @@ struct cloud_hit {
     velum_profile profile;
     float excess;
     float margin; /* velum_margin */
+    float across; /* optical depth of scud or of what falls, from side to side; of cloud 0 */
     float extinction_1_m;
     vec3 r;
     vec3 normal;
@@ -154,6 +155,8 @@ ways_out ways_out_of(cloud_hit hit) {
 /* Per unit of scattering; `depth`: towards the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
     float whole = ways.up + ways.down + depth;
+    /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
+    whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
     bool storm = hit.slot == VELUM_SLOT_STORM;
     float up = 1.0 / (1.0 + turns * ways.up);
     float down = 1.0 / (1.0 + turns * ways.down);

@@ -7,6 +7,7 @@
 #include "weather.glsl"
 #include "study.glsl"
 #include "cloud_light.glsl"
+#include "fringe.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -102,6 +103,10 @@ void main() {
     float longest = 1.0e9; /* long step, by the layers last met */
     float allowed = 1.0e9; /* by those that this step meets */
     float settled = position; /* light and transmittance hold up to here */
+#ifdef VELUM_FRINGED
+    float room = 0.0; /* from the last sample on, how far there is nothing but what falls */
+    const float fall_stride = 2.0; /* of a long step there: that is smooth */
+#endif
 
     while (alive) {
         cloud_hit hit;
@@ -112,6 +117,10 @@ void main() {
         float hurry = 1.0 + 4.0 * spent * spent * spent;
         float long_dt = max(dt_min, min(position * growth, longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
+#ifdef VELUM_FRINGED
+        bool strides = !is_short && room > 2.2 * fall_stride * long_dt;
+        dt = strides ? clamp(longest * hurry, dt, fall_stride * dt) : dt;
+#endif
         dt = min(dt, end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
@@ -129,30 +138,44 @@ void main() {
         /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
         uint meets = 0u;
         bool clear_tile = false;
-        for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
+#ifdef VELUM_FRINGED
+        room = 1.0e9;
+#endif
+        for (uint rest = FRINGED(eye.table.z | eye.table.w, eye.table.z); rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
-            vec4 bounds = eye.slots[candidate].bounds;
+            vec4 bounds = FRINGED(part_bounds(candidate), eye.slots[candidate].bounds);
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
-            bool here = (tile.mask & bit) != 0u;
+            bool here = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
             float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
             clear_tile = clear_tile || (!outside && !here);
             advance = min(advance, away);
+#ifdef VELUM_FRINGED
+            room = candidate < VELUM_PART_FALL ? min(room, outside ? away : 0.0) : room;
+#endif
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
         }
         /* Of two uniform layers in one step the nearer comes first; they come last. */
-        int slot = meets != 0u ? findLSB(meets) : 0;
-        slot = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : slot;
+        int part = meets != 0u ? findLSB(meets) : 0;
+#ifdef VELUM_FRINGED
+        /* What is gone back to before what is not: nothing is lit twice. */
+        uint sharp = meets & ~(sheets | all_fall);
+        part = sharp != 0u ? findLSB(sharp) : part;
+#endif
+        part = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : part;
         bool looking = meets != 0u;
-        done |= looking ? 1u << uint(slot) : 0u;
-        meets &= ~(1u << uint(slot));
+        done |= looking ? 1u << uint(part) : 0u;
+        meets &= ~(1u << uint(part));
+        int slot = FRINGED(part & (VELUM_SLOT_COUNT - 1), part);
+        bool fringed = FRINGED(part >= VELUM_PART_SCUD, false);
+        bool falls = FRINGED(part >= VELUM_PART_FALL, false);
 
         velum_slot_fields f = slot_fields(tile, slot, looking);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
         float thickness = max(f.top_m - f.base_m, 1.0);
         float z = (h - f.base_m) / thickness;
-        bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
+        bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0 && !fringed;
         velum_profile profile = velum_profile_of(slot, f);
         float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
         /* A loop that runs once or not at all: what no lane of a software device needs, none pays for. */
@@ -176,6 +199,20 @@ void main() {
         extinction = study_thinned(extinction, f.extinction_1_m);
 #endif
         samples += within ? 1u : 0u;
+        vec2 span = vec2(f.base_m, f.top_m);
+#ifdef VELUM_FRINGED
+        for (int once = fringed && f.coverage > 0.0 ? 0 : 1; once < 1; ++once) {
+            velum_fringe g = slot_fringe(tile, slot);
+            span = part_span(part, f, g);
+            for (int inside = h > span.x && h < span.y ? 0 : 1; inside < 1; ++inside) {
+                extinction = part_extinction(part, f, profile, g, r, normal, h,
+                                             velum_shows_fine(at, eye.slots[slot].fine_0.w));
+                samples += 1u;
+            }
+            margin = 0.0;
+            thickness = max(span.y - span.x, 1.0);
+        }
+#endif
         /* Sharp faces: the share of the step that lies within them. */
         hit.fields = f;
         hit.tile = tile;
@@ -199,7 +236,7 @@ void main() {
         advance = clear_tile ? min(advance, reach_m.x) : advance;
         float gap = min(max(-e, 0.0) * f.coverage * 0.05 * period_m, texel_m);
         float clear = covered ? min(max(-margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
-        float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
+        float climb = min(0.7 * reach_bounds(h, rise, span.x, span.y), min(0.1 * at + 500.0, texel_m));
         float own = f.coverage <= 0.0 ? reach_m.y : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
@@ -207,6 +244,7 @@ void main() {
         hit.profile = profile;
         hit.excess = e;
         hit.margin = max(margin, 0.0);
+        hit.across = FRINGED(fringed ? extinction * part_across_m(part) : 0.0, 0.0);
         hit.r = r;
         hit.normal = normal;
         hit.height_m = uniform_layer ? clamp(h, f.base_m, f.top_m) : h;
@@ -217,21 +255,21 @@ void main() {
         float layer_m = max(layer_share * thickness / max(abs(rise), 1.0e-3), dt_min);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
-        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < f.top_m && high > f.base_m;
+        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < span.y && high > span.x;
         if (passes) {
             found = false;
             longest = allowed;
             allowed = 1.0e9;
             advance = 1.0e9;
             done = 0u;
-        } else if (found && !is_short && !uniform_layer) {
+        } else if (found && !is_short && !uniform_layer && !falls) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
-            short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
+            short_until = found && !falls ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
@@ -249,6 +287,10 @@ void main() {
         bool shows = STUDIED(study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim, through > dim);
         bool wanted = hit.extinction_1_m > 0.0 && (shows || !lit || hit.slot >= VELUM_SLOT_UNIFORM);
         int light_steps = wanted ? STUDIED(study_sun_steps(int(view.steps.y)), int(view.steps.y)) : 0;
+#ifdef VELUM_FRINGED
+        /* The cloud over a shaft is far and uneven: few steps would draw its shadows as steps. */
+        light_steps *= fringed ? 2 : 1;
+#endif
         light_samples += uint(light_steps);
         float place_m = 0.0;
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
