@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shared/fringe.h"
 #include "state.h"
 
 _Static_assert(sizeof(velum_cell) >= CORE_CELL_V1_SIZE, "frozen size");
@@ -273,6 +274,33 @@ static void make_surface(core_cell_reading *reading, const frame *at) {
     }
 }
 
+/* Showers fall from towers. */
+static float fall_kind_of(const core_slot_layer *layer, uint32_t slot) {
+    switch (layer->precipitation) {
+    case VELUM_PRECIPITATION_SNOW: return VELUM_FALL_SNOW;
+    case VELUM_PRECIPITATION_SLEET: return VELUM_FALL_SLEET;
+    case VELUM_PRECIPITATION_DRIZZLE: return VELUM_FALL_DRIZZLE;
+    case VELUM_PRECIPITATION_HAIL: return VELUM_FALL_SHOWER;
+    default: return slot == VELUM_SLOT_CUMULUS || slot == VELUM_SLOT_STORM ? VELUM_FALL_SHOWER : VELUM_FALL_RAIN;
+    }
+}
+
+/* Lowest height of the layer with what hangs below it, MSL. */
+static float set_fringe(const core_slot_layer *layer, uint32_t slot, float field[CORE_FIELD_COUNT]) {
+    if (slot >= VELUM_SLOT_UNIFORM) {
+        return layer->base_m;
+    }
+    float c = layer->coverage;
+    float fall = sqrtf(sqrtf(layer->precipitation_mm_h));
+    field[CORE_FIELD_SCUD] = c * layer->scud;
+    field[CORE_FIELD_TRANSITION] = c * layer->transition_m;
+    field[CORE_FIELD_FALL] = c * fall;
+    field[CORE_FIELD_FALL_KIND] = c * fall * fall_kind_of(layer, slot);
+    float low_m = layer->base_m - (layer->scud > 0.0f ? VELUM_SCUD_SHALLOW_M + VELUM_SCUD_DEEP_M * layer->scud : 0.0f);
+    low_m = fminf(low_m, layer->base_m - VELUM_FALL_REACH_M * fall);
+    return fmaxf(low_m, fminf(VELUM_FALL_FLOOR_M, layer->base_m));
+}
+
 static void make_slots(core_cell_reading *reading, const frame *at) {
     reading->min_base_m = 1e9f;
     reading->max_top_m = -1e9f;
@@ -295,7 +323,7 @@ static void make_slots(core_cell_reading *reading, const frame *at) {
         }
         out->field[CORE_FIELD_KIND] = c * layer->kind;
         out->field[CORE_FIELD_FULL] = c * c;
-        reading->min_base_m = fminf(reading->min_base_m, layer->base_m);
+        reading->min_base_m = fminf(reading->min_base_m, set_fringe(layer, slot, out->field));
         reading->max_top_m = fmaxf(reading->max_top_m, layer->top_m);
     }
     reading->fields.slot_count = (uint8_t)reading->slot_count;

@@ -26,6 +26,10 @@ enum {
     CORE_FIELD_WIND_Z,
     CORE_FIELD_KIND,
     CORE_FIELD_FULL, /* the coverage that the layer has where its cell acts alone */
+    CORE_FIELD_SCUD,
+    CORE_FIELD_TRANSITION,
+    CORE_FIELD_FALL,      /* fourth root of the rate, (mm/h)^1/4 */
+    CORE_FIELD_FALL_KIND, /* VELUM_FALL_*, times that */
     CORE_FIELD_COUNT
 };
 
@@ -78,7 +82,7 @@ typedef struct core_cell {
     core_polygon *polygon;
     core_cell_fields fields;
     core_slot_layer uniform[2];  /* what UNIFORM slots need beside their fields */
-    float min_base_m, max_top_m; /* MSL; min > max: no cloud */
+    float min_base_m, max_top_m; /* MSL, fringes too; min > max: no cloud */
     uint32_t merged;
     uint32_t slot_count;
     core_cell_slot slots[VELUM_SLOT_COUNT];

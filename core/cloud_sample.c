@@ -73,3 +73,54 @@ float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fiel
     return velum_slot_extinction(cloud->slot, *fields, height_m, rank, core_cloud_lump(cloud, fields, point_m),
                                  fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
 }
+
+static void foot_of(const float point_m[3], const float normal[3], float height_m, const float moved_m[3],
+                    float foot_m[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        foot_m[axis] = point_m[axis] + moved_m[axis] - normal[axis] * height_m;
+    }
+}
+
+static float scud_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
+                      const float point_m[3], const float normal[3], float height_m, bool fine) {
+    velum_span_m span = velum_scud_span(*f, *g);
+    if (!(g->scud > 0.0f) || height_m < span.low || height_m > span.high) {
+        return 0.0f;
+    }
+    float foot[3];
+    foot_of(point_m, normal, height_m, (const float[3]){0.0f, 0.0f, 0.0f}, foot);
+    velum_profile profile = velum_profile_of(cloud->slot, *f);
+    float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
+    float lumps[2][4];
+    for (int i = 0; i < 8; i++) {
+        lumps[i / 4][i % 4] = cloud->phases.lump[i / 4][i % 4] * VELUM_SCUD_LUMPS;
+    }
+    float noise = velum_scud_noise(detail_of(cloud, f, (const float(*)[4])lumps, 1.0f, point_m),
+                                   fine ? core_cloud_fine(cloud, f, point_m) : 0.5f);
+    return velum_scud_1_m(*f, *g, e, height_m, noise);
+}
+
+static float fall_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
+                      const float point_m[3], const float normal[3], float height_m, bool fine) {
+    velum_span_m span = velum_fall_span(*f, *g);
+    if (!(g->fall > 0.0f) || height_m < span.low || height_m > span.high) {
+        return 0.0f;
+    }
+    float lag_s = velum_fall_lag_s(*g, f->base_m - height_m);
+    const float moved[3] = {f->wind_x_m_s * lag_s, f->wind_y_m_s * lag_s, f->wind_z_m_s * lag_s};
+    float foot[3];
+    foot_of(point_m, normal, height_m, moved, foot);
+    velum_profile profile = velum_profile_of(cloud->slot, *f);
+    float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
+    float streak = velum_fall_streak(core_cloud_lump(cloud, f, foot), fine ? core_cloud_fine(cloud, f, foot) : 0.5f);
+    return velum_fall_1_m(profile, *f, *g, e, height_m, streak);
+}
+
+float core_cloud_fringe(const core_cloud_noise *cloud, const velum_slot_fields *fields, const velum_fringe *fringe,
+                        const float point_m[3], const float normal[3], float height_m, bool fine) {
+    if (fields->coverage <= 0.0f || cloud->slot >= VELUM_SLOT_UNIFORM) {
+        return 0.0f;
+    }
+    return scud_1_m(cloud, fields, fringe, point_m, normal, height_m, fine) +
+           fall_1_m(cloud, fields, fringe, point_m, normal, height_m, fine);
+}

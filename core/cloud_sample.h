@@ -7,6 +7,7 @@
 #include "drift.h"
 #include "noise.h"
 #include "noise_place.h"
+#include "shared/fringe.h"
 #include "shared/sample.h"
 
 /* One slot's noise around an origin: points are offsets from it, m, ECEF. */
@@ -31,5 +32,8 @@ float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fi
 /* Extinction at a point, 1/m; `fine`: with fine detail. */
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine);
+/* The same of what lies beyond the cloud. */
+float core_cloud_fringe(const core_cloud_noise *cloud, const velum_slot_fields *fields, const velum_fringe *fringe,
+                        const float point_m[3], const float normal[3], float height_m, bool fine);
 
 #endif

@@ -163,10 +163,11 @@ static void gather_layers(oracle_cursor *cursor, const oracle_place *place, wind
         if (f.coverage <= 0.0f) {
             continue;
         }
-        float extinction = oracle_cursor_extinction(cursor, place, slot);
+        float cloud = oracle_cursor_cloud(cursor, place, slot);
+        float extinction = cloud + oracle_cursor_fringe(cursor, place, slot);
         out->slot_extinction_1_m[slot] = extinction;
         out->extinction_1_m += extinction;
-        out->water_g_m3 += extinction * water_per_extinction(slot);
+        out->water_g_m3 += cloud * water_per_extinction(slot);
         out->coverage = fmaxf(out->coverage, f.coverage);
         ceiling_m = fmaxf(ceiling_m, f.top_m);
         if (slot < VELUM_SLOT_UNIFORM) {

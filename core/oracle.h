@@ -30,8 +30,8 @@ typedef struct core_oracle {
 typedef struct core_oracle_point {
     core_geodetic place;
     float slot_extinction_1_m[VELUM_SLOT_COUNT];
-    float extinction_1_m; /* of cloud */
-    float water_g_m3;     /* that goes with it, at the genus's usual radius */
+    float extinction_1_m; /* of cloud, scud and precipitation */
+    float water_g_m3;     /* of cloud proper, at the genus's usual radius */
     float coverage;       /* greatest of the layers over the place */
     float base_m, top_m;  /* MSL, of the lowest layer over the place; 0, 0: none */
     float visibility_m;   /* of air, haze, fog and cloud */
@@ -46,7 +46,7 @@ typedef struct core_oracle_point {
 velum_result core_oracle_at(const core_oracle *oracle, const double ecef_m[3], double footprint_m,
                             core_oracle_point *out, core_error *error);
 
-/* Extinction of cloud alone: what an inner loop wants. */
+/* Extinction of cloud, scud and precipitation alone: what an inner loop wants. */
 velum_result core_oracle_extinction(const core_oracle *oracle, const double ecef_m[3], double footprint_m,
                                     float *extinction_1_m, core_error *error);
 

@@ -50,8 +50,9 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
         }
         for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
             if (cursor->tile[s]->mask & (1u << slot)) {
-                cursor->min_base_m = fminf(cursor->min_base_m, cursor->tile[s]->slot[slot].min_base_m);
-                cursor->max_top_m = fmaxf(cursor->max_top_m, cursor->tile[s]->slot[slot].max_top_m);
+                const core_tile_slot *fields = &cursor->tile[s]->slot[slot];
+                cursor->min_base_m = fminf(cursor->min_base_m, core_tile_slot_low_m(fields));
+                cursor->max_top_m = fmaxf(cursor->max_top_m, fields->max_top_m);
             }
         }
     }
@@ -135,21 +136,62 @@ velum_slot_fields oracle_cursor_fields(const oracle_cursor *cursor, const oracle
     return blends(cursor->oracle) ? velum_fields_mix(fields[0], fields[1], cursor->oracle->blend) : fields[0];
 }
 
-float oracle_cursor_extinction(oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
-    if (cursor->result != VELUM_OK || place->height_m < (double)cursor->min_base_m ||
-        place->height_m > (double)cursor->max_top_m) {
+static bool has_fringe(const oracle_cursor *cursor, uint32_t slot) {
+    return (cursor->tile[0] && cursor->tile[0]->slot[slot].fringe) ||
+           (cursor->tile[1] && cursor->tile[1]->slot[slot].fringe);
+}
+
+static velum_fringe fringe_at(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    velum_slot_fields fields[2] = {{0}};
+    velum_fringe fringe[2] = {{0}};
+    for (int s = 0; s < 2; s++) {
+        if (cursor->tile[s]) {
+            fields[s] = core_tile_sample(cursor->tile[s], slot, place->s, place->t);
+            fringe[s] = core_tile_fringe(cursor->tile[s], slot, place->s, place->t);
+        }
+    }
+    float share = blends(cursor->oracle) ? velum_fields_share(fields[0], fields[1], cursor->oracle->blend) : 0.0f;
+    return velum_fringe_mix(fringe[0], fringe[1], share);
+}
+
+/* A place as the noise wants it. */
+typedef struct noise_point {
+    float point_m[3], normal[3];
+    bool fine;
+} noise_point;
+
+static noise_point noise_point_of(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    noise_point p = {.fine = velum_shows_fine((float)cursor->distance_m, cursor->noise[slot].phases.fine[0][3])};
+    for (int axis = 0; axis < 3; axis++) {
+        p.point_m[axis] = (float)(place->ecef_m[axis] - cursor->noise_origin_m[axis]);
+        p.normal[axis] = (float)place->normal[axis];
+    }
+    return p;
+}
+
+static bool is_within(const oracle_cursor *cursor, const oracle_place *place) {
+    return cursor->result == VELUM_OK && place->height_m >= (double)cursor->min_base_m &&
+           place->height_m <= (double)cursor->max_top_m;
+}
+
+float oracle_cursor_cloud(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    if (!is_within(cursor, place)) {
         return 0.0f;
     }
     velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
-    float point[3];
-    float normal[3];
-    for (int axis = 0; axis < 3; axis++) {
-        point[axis] = (float)(place->ecef_m[axis] - cursor->noise_origin_m[axis]);
-        normal[axis] = (float)place->normal[axis];
+    noise_point p = noise_point_of(cursor, place, slot);
+    return core_cloud_extinction(&cursor->noise[slot], &fields, p.point_m, p.normal, (float)place->height_m, p.fine);
+}
+
+float oracle_cursor_fringe(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    if (!is_within(cursor, place) || !has_fringe(cursor, slot)) {
+        return 0.0f;
     }
-    const core_cloud_noise *noise = &cursor->noise[slot];
-    bool fine = velum_shows_fine((float)cursor->distance_m, noise->phases.fine[0][3]);
-    return core_cloud_extinction(noise, &fields, point, normal, (float)place->height_m, fine);
+    velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
+    velum_fringe fringe = fringe_at(cursor, place, slot);
+    noise_point p = noise_point_of(cursor, place, slot);
+    return core_cloud_fringe(&cursor->noise[slot], &fields, &fringe, p.point_m, p.normal, (float)place->height_m,
+                             p.fine);
 }
 
 float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place) {
@@ -157,7 +199,7 @@ float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place) {
     uint32_t mask = oracle_cursor_mask(cursor);
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         if (mask & (1u << slot)) {
-            total += oracle_cursor_extinction(cursor, place, slot);
+            total += oracle_cursor_cloud(cursor, place, slot) + oracle_cursor_fringe(cursor, place, slot);
         }
     }
     return total;

@@ -12,7 +12,7 @@ typedef struct oracle_cursor {
     double distance_m; /* at which a picture's pixel is as large as the footprint */
     uint32_t key, data_key;
     core_tile *tile[2];
-    float min_base_m, max_top_m; /* of the tiles */
+    float min_base_m, max_top_m; /* of the tiles, with all that hangs below */
     double noise_origin_m[3];
     bool has_noise;
     core_cloud_noise noise[VELUM_SLOT_COUNT];
@@ -33,8 +33,9 @@ oracle_place oracle_cursor_move(oracle_cursor *cursor, const double ecef_m[3]);
 /* Slots with cloud in the tiles. */
 uint32_t oracle_cursor_mask(const oracle_cursor *cursor);
 velum_slot_fields oracle_cursor_fields(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
-/* Extinction of a slot at the place, 1/m. */
-float oracle_cursor_extinction(oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
+/* Extinction of a slot's cloud at the place, 1/m; of its scud and of what falls from it. */
+float oracle_cursor_cloud(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
+float oracle_cursor_fringe(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
 float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place);
 
 #endif

@@ -66,11 +66,12 @@ static uint16_t unorm(float x) {
     return (uint16_t)(x * 65535.0f + 0.5f);
 }
 
-typedef struct texel {
-    uint16_t value[8]; /* A, B */
-} texel;
-
 enum { TEXEL_COVERAGE, TEXEL_BASE, TEXEL_TOP, TEXEL_EXTINCTION, TEXEL_WIND, TEXEL_KIND = 7 };
+enum { TEXEL_SCUD = 8, TEXEL_TRANSITION, TEXEL_FALL, TEXEL_FALL_KIND, TEXEL_VALUES };
+
+typedef struct texel {
+    uint16_t value[TEXEL_VALUES]; /* A, B, fringe */
+} texel;
 
 static texel make_texel(uint32_t slot, const float *field, const double normal[3], float undulation_m) {
     float scale = 1.0f / field[CORE_FIELD_COVERAGE];
@@ -87,6 +88,12 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
         out.value[TEXEL_WIND + axis] = unorm(velum_texel_from_wind((wind[axis] - up * (float)normal[axis]) * scale));
     }
     out.value[TEXEL_KIND] = unorm(velum_clamp(field[CORE_FIELD_KIND] * scale, 0.0f, 1.0f));
+    float fall = field[CORE_FIELD_FALL];
+    out.value[TEXEL_SCUD] = unorm(velum_clamp(field[CORE_FIELD_SCUD] * scale, 0.0f, 1.0f));
+    out.value[TEXEL_TRANSITION] =
+        unorm(velum_clamp(field[CORE_FIELD_TRANSITION] * scale / VELUM_TEXEL_TRANSITION_RANGE_M, 0.0f, 1.0f));
+    out.value[TEXEL_FALL] = unorm(velum_clamp(fall * scale / VELUM_TEXEL_FALL_RANGE, 0.0f, 1.0f));
+    out.value[TEXEL_FALL_KIND] = fall > 0.0f ? unorm(velum_clamp(field[CORE_FIELD_FALL_KIND] / fall, 0.0f, 1.0f)) : 0;
     return out;
 }
 
@@ -257,7 +264,7 @@ static void fill(uint8_t *covered, texel *texels) {
         if (covered[at]) {
             continue;
         }
-        uint32_t sum[8] = {0};
+        uint32_t sum[TEXEL_VALUES] = {0};
         uint32_t count = 0;
         for (int dj = -1; dj <= 1; dj++) {
             for (int di = -1; di <= 1; di++) {
@@ -266,7 +273,7 @@ static void fill(uint8_t *covered, texel *texels) {
                 if (i < 0 || i >= WIDE || j < 0 || j >= WIDE || covered[j * WIDE + i] != 1) {
                     continue;
                 }
-                for (uint32_t f = 1; f < 8; f++) {
+                for (uint32_t f = 1; f < TEXEL_VALUES; f++) {
                     sum[f] += texels[j * WIDE + i].value[f];
                 }
                 count++;
@@ -274,7 +281,7 @@ static void fill(uint8_t *covered, texel *texels) {
         }
         if (count > 0) {
             texels[at].value[TEXEL_COVERAGE] = 0;
-            for (uint32_t f = 1; f < 8; f++) {
+            for (uint32_t f = 1; f < TEXEL_VALUES; f++) {
                 texels[at].value[f] = (uint16_t)((sum[f] + count / 2) / count);
             }
             covered[at] = 2;
@@ -324,10 +331,63 @@ static void store(core_tile_slot *slot, const texel *texels, uint16_t *a, uint16
     slot->max_extinction_1_m = velum_texel_extinction_1_m((float)extinction / 65535.0f);
 }
 
+static bool has_fringe(const texel *texels) {
+    for (uint32_t at = 0; at < WIDE_COUNT; at++) {
+        if (texels[at].value[TEXEL_SCUD] > 0 || texels[at].value[TEXEL_FALL] > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What rounding and filtering may add. */
+#define FRINGE_SPARE_M 1.0f
+
+static void widen(velum_span_m *span, float low_m, float high_m) {
+    const bool first = span->low >= span->high;
+    span->low = first ? low_m - FRINGE_SPARE_M : fminf(span->low, low_m - FRINGE_SPARE_M);
+    span->high = first ? high_m + FRINGE_SPARE_M : fmaxf(span->high, high_m + FRINGE_SPARE_M);
+}
+
+/* Bounds hold between texels too: they are of fields that are mixed, not of what is made of each. */
+static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fringe) {
+    velum_span_m scud_m = {0};
+    velum_span_m fall_m = {0};
+    float scud = 0.0f;
+    float fall = 0.0f;
+    float kind = 0.0f;
+    for (uint32_t j = 0; j < SIDE; j++) {
+        for (uint32_t i = 0; i < SIDE; i++) {
+            const texel *from = &texels[(j + 1) * WIDE + i + 1];
+            const uint16_t *v = &from->value[TEXEL_SCUD];
+            memcpy(fringe + (j * SIDE + i) * 4, v, 4 * sizeof *fringe);
+            velum_fringe g = velum_fringe_of_texel((float)v[0] / 65535.0f, (float)v[1] / 65535.0f,
+                                                   (float)v[2] / 65535.0f, (float)v[3] / 65535.0f);
+            float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
+            widen(&scud_m, base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud, base_m + VELUM_SCUD_OVER_M);
+            widen(&fall_m, base_m - VELUM_FALL_REACH_M * g.fall, base_m + VELUM_FALL_JOIN_MOST_M);
+            scud = fmaxf(scud, g.scud);
+            fall = fmaxf(fall, g.fall);
+            kind = fmaxf(kind, g.fall_kind);
+        }
+    }
+    if (scud > 0.0f) {
+        slot->scud_m = scud_m;
+        slot->max_scud_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
+    }
+    if (fall > 0.0f) {
+        fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M - FRINGE_SPARE_M);
+        slot->fall_m = fall_m;
+        slot->max_fall_1_m = velum_fall_most_1_m((velum_fringe){.fall = fall, .fall_kind = kind});
+    }
+    slot->fringe = fringe;
+}
+
 core_tile *core_tile_create(const core_state *state, uint32_t key) {
     raster *made = malloc(sizeof *made);
     tile_block *block = NULL;
     uint32_t count = 0;
+    uint32_t fringes = 0; /* slots that have them */
     if (!made) {
         return NULL;
     }
@@ -336,9 +396,14 @@ core_tile *core_tile_create(const core_state *state, uint32_t key) {
         return NULL;
     }
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        count += made->mask >> slot & 1u;
+        if (made->mask & (1u << slot)) {
+            fill(made->covered[slot], made->texels[slot]);
+            bool fringed = has_fringe(made->texels[slot]);
+            fringes |= (uint32_t)fringed << slot;
+            count += fringed ? 3 : 2;
+        }
     }
-    size_t bytes = sizeof *block + (size_t)count * 2 * CORE_TILE_PAGE_BYTES;
+    size_t bytes = sizeof *block + (size_t)count * CORE_TILE_PAGE_BYTES;
     block = calloc(1, bytes);
     if (block) {
         uint16_t *page = block->pages;
@@ -349,9 +414,12 @@ core_tile *core_tile_create(const core_state *state, uint32_t key) {
         block->tile.bytes = bytes;
         for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
             if (made->mask & (1u << slot)) {
-                fill(made->covered[slot], made->texels[slot]);
                 store(&block->tile.slot[slot], made->texels[slot], page, page + CORE_TILE_PAGE_VALUES);
                 page += 2 * CORE_TILE_PAGE_VALUES;
+                if (fringes & (1u << slot)) {
+                    store_fringe(&block->tile.slot[slot], made->texels[slot], page);
+                    page += CORE_TILE_PAGE_VALUES;
+                }
             }
         }
     }
@@ -374,27 +442,41 @@ void core_tile_unref(core_tile *tile) {
 
 /* ---------------------------------------------------------------- reading */
 
-velum_slot_fields core_tile_sample(const core_tile *tile, uint32_t slot, float s, float t) {
-    const core_tile_slot *from = &tile->slot[slot];
-    velum_slot_fields fields = {0};
-    if (!from->a) {
-        return fields;
-    }
+/* Four channels at (s, t). */
+static void sample_page(const uint16_t *texels, float s, float t, float value[4]) {
     float x = velum_clamp(s, 0.0f, 1.0f) * VELUM_TILE_TEXELS + 0.5f;
     float y = velum_clamp(t, 0.0f, 1.0f) * VELUM_TILE_TEXELS + 0.5f;
     uint32_t i = (uint32_t)fminf(x, SIDE - 2);
     uint32_t j = (uint32_t)fminf(y, SIDE - 2);
     float tx = x - (float)i;
     float ty = y - (float)j;
-    float value[8];
-    for (uint32_t f = 0; f < 8; f++) {
-        const uint16_t *page = (f < 4 ? from->a : from->b) + f % 4;
+    for (uint32_t f = 0; f < 4; f++) {
+        const uint16_t *page = texels + f;
         float v00 = page[(j * SIDE + i) * 4];
         float v10 = page[(j * SIDE + i + 1) * 4];
         float v01 = page[((j + 1) * SIDE + i) * 4];
         float v11 = page[((j + 1) * SIDE + i + 1) * 4];
         value[f] = velum_mix(velum_mix(v00, v10, tx), velum_mix(v01, v11, tx), ty) * (1.0f / 65535.0f);
     }
+}
+
+velum_fringe core_tile_fringe(const core_tile *tile, uint32_t slot, float s, float t) {
+    float value[4] = {0};
+    if (tile->slot[slot].fringe) {
+        sample_page(tile->slot[slot].fringe, s, t, value);
+    }
+    return velum_fringe_of_texel(value[0], value[1], value[2], value[3]);
+}
+
+velum_slot_fields core_tile_sample(const core_tile *tile, uint32_t slot, float s, float t) {
+    const core_tile_slot *from = &tile->slot[slot];
+    velum_slot_fields fields = {0};
+    if (!from->a) {
+        return fields;
+    }
+    float value[8];
+    sample_page(from->a, s, t, value);
+    sample_page(from->b, s, t, value + 4);
     fields.coverage = value[TEXEL_COVERAGE];
     fields.base_m = velum_texel_height_m(value[TEXEL_BASE]);
     fields.top_m = velum_texel_height_m(value[TEXEL_TOP]);

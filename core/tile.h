@@ -7,6 +7,7 @@
 #define VELUM_CORE_TILE_H
 
 #include "column.h"
+#include "shared/fringe.h"
 #include "shared/slots.h"
 #include "shared/tile_address.h"
 
@@ -19,9 +20,12 @@
 typedef struct core_tile_slot {
     const uint16_t *a;           /* coverage, base, top, extinction; null: no cloud of this slot in the tile */
     const uint16_t *b;           /* wind x, y, z, kind */
+    const uint16_t *fringe;      /* as shared/fringe.h has it; null: none */
     float min_base_m, max_top_m; /* HAE, over texels with coverage, apron included */
     float max_coverage;
     float max_extinction_1_m;
+    velum_span_m scud_m, fall_m; /* heights of what is there of either, HAE; low >= high: nothing */
+    float max_scud_1_m, max_fall_1_m;
 } core_tile_slot;
 
 typedef struct core_tile {
@@ -32,6 +36,13 @@ typedef struct core_tile {
     core_tile_slot slot[VELUM_SLOT_COUNT];
 } core_tile;
 
+/* Lowest of all that the slot has. */
+static inline float core_tile_slot_low_m(const core_tile_slot *slot) {
+    float low_m = slot->scud_m.low < slot->scud_m.high && slot->scud_m.low < slot->min_base_m ? slot->scud_m.low
+                                                                                              : slot->min_base_m;
+    return slot->fall_m.low < slot->fall_m.high && slot->fall_m.low < low_m ? slot->fall_m.low : low_m;
+}
+
 /* Null: out of memory. One reference. */
 core_tile *core_tile_create(const core_state *state, uint32_t key);
 core_tile *core_tile_ref(core_tile *tile);
@@ -40,6 +51,8 @@ void core_tile_unref(core_tile *tile); /* null is legal */
 /* One slot at (s, t), 0..1 over the tile, bilinear over the stored values as a sampler does it. Zeroed without pages.
  */
 velum_slot_fields core_tile_sample(const core_tile *tile, uint32_t slot, float s, float t);
+/* The same of what the slot has beyond its cloud. */
+velum_fringe core_tile_fringe(const core_tile *tile, uint32_t slot, float s, float t);
 
 /* The deepest level whose texels this key's place needs, at most the key's own: below it the weather is smooth. */
 uint32_t core_tile_detail_level(const core_state *state, uint32_t key);

@@ -336,9 +336,38 @@ uint32_t core_tile_table_entries(uint32_t key_count) {
     return entries;
 }
 
+/* Of both states in one word. */
+static uint32_t pages_word(uint32_t state_count, core_tile_page_fn page, void *context, uint32_t data_key,
+                           uint32_t slot) {
+    uint32_t a = page(context, 0, data_key, slot) & VELUM_PAGE_NONE;
+    uint32_t b = state_count > 1 ? page(context, 1, data_key, slot) & VELUM_PAGE_NONE : a;
+    return a | b << 16;
+}
+
+#define NO_PAGES (VELUM_PAGE_NONE | VELUM_PAGE_NONE << 16)
+
+static bool is_fringed(uint32_t state_count, core_tile_page_fn page, void *context, uint32_t data_key) {
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        if (pages_word(state_count, page, context, data_key, VELUM_SLOT_COUNT + slot) != NO_PAGES) {
+            return true;
+        }
+    }
+    return false;
+}
+
+uint32_t core_tile_table_words(const core_tile_set *set, uint32_t state_count, core_tile_page_fn page, void *context,
+                               uint32_t entries) {
+    uint32_t words = entries * VELUM_TABLE_WORDS;
+    for (uint32_t i = 0; i < set->key_count && i < entries - 1u; i++) {
+        words += is_fringed(state_count, page, context, set->data_keys[set->data[i]]) ? VELUM_SLOT_COUNT : 0;
+    }
+    return words;
+}
+
 void core_tile_table_build(const core_tile_set *set, uint32_t state_count, core_tile_page_fn page, void *context,
                            uint32_t *words, uint32_t entries) {
     uint32_t mask = entries - 1u;
+    uint32_t used = entries * VELUM_TABLE_WORDS;
     for (uint32_t i = 0; i < entries; i++) {
         uint32_t *entry = words + (size_t)i * VELUM_TABLE_WORDS;
         memset(entry, 0, VELUM_TABLE_PAGES * sizeof *entry);
@@ -355,11 +384,16 @@ void core_tile_table_build(const core_tile_set *set, uint32_t state_count, core_
         entry[0] = set->keys[i];
         entry[1] = velum_tile_key_level(data_key);
         for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-            uint32_t a = page(context, 0, data_key, slot) & VELUM_PAGE_NONE;
-            uint32_t b = state_count > 1 ? page(context, 1, data_key, slot) & VELUM_PAGE_NONE : a;
-            entry[VELUM_TABLE_PAGES + slot] = a | b << 16;
-            if (a != VELUM_PAGE_NONE || b != VELUM_PAGE_NONE) {
-                entry[2] |= 1u << slot;
+            uint32_t pages = pages_word(state_count, page, context, data_key, slot);
+            entry[VELUM_TABLE_PAGES + slot] = pages;
+            entry[2] |= pages != NO_PAGES ? 1u << slot : 0;
+        }
+        if (is_fringed(state_count, page, context, data_key)) {
+            entry[3] = used;
+            for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+                uint32_t pages = pages_word(state_count, page, context, data_key, VELUM_SLOT_COUNT + slot);
+                words[used++] = pages;
+                entry[2] |= pages != NO_PAGES ? 1u << (VELUM_SLOT_COUNT + slot) : 0;
             }
         }
     }

@@ -33,12 +33,16 @@ velum_result core_tile_set_init(core_tile_set *set, const core_tile_eye *eye, co
                                 uint32_t state_count, core_error *error);
 void core_tile_set_finish(core_tile_set *set);
 
-/* The page that holds a slot of a data key in state 0 or 1, VELUM_PAGE_NONE without cloud there. */
+/* The page that holds a slot of a data key in state 0 or 1, VELUM_PAGE_NONE without cloud there; VELUM_SLOT_COUNT +
+ * slot asks for its fringe. */
 typedef uint32_t (*core_tile_page_fn)(void *context, uint32_t state, uint32_t data_key, uint32_t slot);
 
 /* Entries of the table for so many keys: a power of two, at least twice as many, at least 64. */
 uint32_t core_tile_table_entries(uint32_t key_count);
-/* Fills entries * VELUM_TABLE_WORDS words. `entries` is a power of two above key_count. */
+/* Words of a table of so many entries: entries * VELUM_TABLE_WORDS, and the fringes. */
+uint32_t core_tile_table_words(const core_tile_set *set, uint32_t state_count, core_tile_page_fn page, void *context,
+                               uint32_t entries);
+/* Fills as many words. `entries` is a power of two above key_count. */
 void core_tile_table_build(const core_tile_set *set, uint32_t state_count, core_tile_page_fn page, void *context,
                            uint32_t *words, uint32_t entries);
 /* The words of a key's entry, or null: the lookup that the GPU does. */

@@ -34,28 +34,25 @@ typedef struct eye eye;
 typedef struct view view;
 typedef struct shadow shadow;
 
+/* Variants of a pass, added to its first: two weather states, or two lives of the noise; closed sheets and uniform
+ * layers; layers with scud or precipitation. */
+enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
+
 typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
-    PASS_MARCH,
-    PASS_MARCH_MIXED,  /* two weather states, or two lives of the noise */
-    PASS_MARCH_CLOSED, /* uniform layers too */
-    PASS_MARCH_CLOSED_MIXED,
-    PASS_LIGHT, /* of the places that rays have found, then for each ray */
-    PASS_LIGHT_MIXED,
-    PASS_LIGHT_CLOSED, /* closed sheets and uniform layers too */
-    PASS_LIGHT_CLOSED_MIXED,
-    PASS_GATHER,
-    PASS_MARCH_STUDY, /* these two are made with the first eye that wants them */
-    PASS_MARCH_STUDY_MIXED,
-    PASS_RESOLVE,
+    PASS_MARCH,                              /* eight */
+    PASS_LIGHT = PASS_MARCH + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
+    PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
+    PASS_MARCH_STUDY, /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
+    PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* the same */
+    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,
     PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
     PASS_RESOLVE_LAYERED,
     PASS_RESOLVE_LAYERED_GROUND,
-    PASS_SHADOW,
-    PASS_SHADOW_MIXED,
     PASS_REFERENCE, /* of everything; from here on made with the first eye that wants them */
+    PASS_REFERENCE_FRINGED,
     PASS_REFERENCE_RESOLVE,
     PASS_REFERENCE_RESOLVE_LAYERED,
     PASS_REFERENCE_ERROR,
@@ -82,8 +79,10 @@ uint32_t pipelines_reference_lanes(const gpu *g);
 velum_result pipelines_add_study(pipelines *p, gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
+/* A variant of PASS_FRINGED, made when a frame first has such weather. False: the device refuses. */
+bool pipelines_want(pipelines *p, gpu *g, pass which);
 /* The tracer for what a frame has, made when it is first asked for. Null: the device refuses. */
-VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots);
+VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed);
 void pipelines_finish(pipelines *p, gpu *g);
 /* As get_pipeline_cache. */
 velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *size);

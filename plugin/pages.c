@@ -82,10 +82,18 @@ static uint64_t mix(uint64_t h) {
     return h ^ (h >> 29);
 }
 
+/* What the page of a slot holds; a fringe has one texture of its own. */
+static void texels_of(const core_tile *tile, uint32_t slot, const uint16_t *sides[2]) {
+    const core_tile_slot *from = &tile->slot[slot % VELUM_SLOT_COUNT];
+    sides[0] = slot < VELUM_SLOT_COUNT ? from->a : from->fringe;
+    sides[1] = slot < VELUM_SLOT_COUNT ? from->b : from->fringe;
+}
+
 /* Of key, slot and texels. Never 0. */
 static uint64_t contents_of(const core_tile *tile, uint32_t slot) {
     uint64_t h = mix(((uint64_t)tile->key << 8) | slot | 0x5a00000000000000u);
-    const uint16_t *sides[2] = {tile->slot[slot].a, tile->slot[slot].b};
+    const uint16_t *sides[2];
+    texels_of(tile, slot, sides);
     for (uint32_t side = 0; side < 2; side++) {
         for (uint32_t i = 0; i < CORE_TILE_PAGE_BYTES; i += 8) {
             uint64_t word;
@@ -185,11 +193,15 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
     if (!bytes) {
         return VELUM_PAGE_NONE;
     }
-    memcpy(bytes, tile->slot[slot].a, CORE_TILE_PAGE_BYTES);
-    memcpy(bytes + CORE_TILE_PAGE_BYTES, tile->slot[slot].b, CORE_TILE_PAGE_BYTES);
+    const uint16_t *sides[2];
+    texels_of(tile, slot, sides);
+    memcpy(bytes, sides[0], CORE_TILE_PAGE_BYTES);
+    memcpy(bytes + CORE_TILE_PAGE_BYTES, sides[1], CORE_TILE_PAGE_BYTES);
     if (p->has_bounds) {
-        velum_page_bounds bounds;
-        core_tile_bounds(tile, slot, &bounds);
+        velum_page_bounds bounds = {0};
+        if (slot < VELUM_SLOT_COUNT) {
+            core_tile_bounds(tile, slot, &bounds);
+        }
         memcpy(bytes + texels, &bounds, sizeof bounds);
         p->known[oldest] = bounds;
         p->copies_bounds[p->copy_count] = (VkBufferCopy){offset + texels, oldest * sizeof bounds, sizeof bounds};

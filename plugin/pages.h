@@ -57,7 +57,8 @@ bool pages_want_bounds(pages *p, gpu *g);
 
 /* Keeps a page for this frame; false if it no longer holds those contents. */
 bool pages_keep(pages *p, uint32_t index, uint64_t contents);
-/* The page of a tile's slot, VELUM_PAGE_NONE if there is no room for it (on the stage or among the pages). */
+/* The page of a tile's slot, or with VELUM_SLOT_COUNT + slot that of its fringe; VELUM_PAGE_NONE if there is no room
+ * for it (on the stage or among the pages). */
 uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uint64_t *contents);
 bool pages_full(const pages *p, float share);
 

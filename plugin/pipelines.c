@@ -10,15 +10,20 @@
 #include "gather.spv.h"
 #include "glow.spv.h"
 #include "light.spv.h"
+#include "light_fringed.spv.h"
 #include "march.spv.h"
+#include "march_fringed.spv.h"
 #include "march_study.spv.h"
+#include "march_study_fringed.spv.h"
 #include "reference.spv.h"
 #include "reference_error.spv.h"
+#include "reference_fringed.spv.h"
 #include "reference_resolve.spv.h"
 #include "reference_resolve_layered.spv.h"
 #include "resolve.spv.h"
 #include "resolve_layered.spv.h"
 #include "shadow.spv.h"
+#include "shadow_fringed.spv.h"
 #include "sky.spv.h"
 
 /* What stands before the driver's data in a blob, so that a foreign or damaged one is found out by us. */
@@ -121,25 +126,19 @@ static bool create_sampler(gpu *g, VkFilter filter, VkSamplerAddressMode address
 }
 
 VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
+    if (which >= PASS_MARCH && which < PASS_SHADOW) {
+        return p->layout_view;
+    }
+    if (which >= PASS_SHADOW && which < PASS_RESOLVE) {
+        return p->layout_shadow;
+    }
     switch (which) {
-    case PASS_MARCH:
-    case PASS_MARCH_MIXED:
-    case PASS_MARCH_CLOSED:
-    case PASS_MARCH_CLOSED_MIXED:
-    case PASS_LIGHT:
-    case PASS_LIGHT_MIXED:
-    case PASS_LIGHT_CLOSED:
-    case PASS_LIGHT_CLOSED_MIXED:
-    case PASS_GATHER:
-    case PASS_MARCH_STUDY:
-    case PASS_MARCH_STUDY_MIXED:
     case PASS_RESOLVE:
     case PASS_RESOLVE_GROUND:
     case PASS_RESOLVE_LAYERED:
     case PASS_RESOLVE_LAYERED_GROUND: return p->layout_view;
-    case PASS_SHADOW:
-    case PASS_SHADOW_MIXED: return p->layout_shadow;
     case PASS_REFERENCE:
+    case PASS_REFERENCE_FRINGED:
     case PASS_REFERENCE_RESOLVE:
     case PASS_REFERENCE_RESOLVE_LAYERED:
     case PASS_REFERENCE_ERROR: return p->layout_reference;
@@ -159,6 +158,23 @@ typedef struct variant {
     VkBool32 air, closes;
 } variant;
 
+static bool is_of(pass which, pass first) {
+    return which >= first && which < first + PASS_VARIANTS;
+}
+
+/* The first of its variants. */
+static pass family_of(pass which) {
+    return is_of(which, PASS_MARCH)         ? PASS_MARCH
+           : is_of(which, PASS_LIGHT)       ? PASS_LIGHT
+           : is_of(which, PASS_MARCH_STUDY) ? PASS_MARCH_STUDY
+           : is_of(which, PASS_SHADOW)      ? PASS_SHADOW
+                                            : which;
+}
+
+static uint32_t variant_of(pass which) {
+    return (uint32_t)which - (uint32_t)family_of(which);
+}
+
 static bool create_variant(pipelines *p, gpu *g, pass which, const variant *values, VkPipeline *out) {
     static const struct {
         const uint32_t *words;
@@ -168,23 +184,20 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
-        [PASS_MARCH_MIXED] = {velum_march_spv, sizeof velum_march_spv},
-        [PASS_MARCH_CLOSED] = {velum_march_spv, sizeof velum_march_spv},
-        [PASS_MARCH_CLOSED_MIXED] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
-        [PASS_LIGHT_MIXED] = {velum_light_spv, sizeof velum_light_spv},
-        [PASS_LIGHT_CLOSED] = {velum_light_spv, sizeof velum_light_spv},
-        [PASS_LIGHT_CLOSED_MIXED] = {velum_light_spv, sizeof velum_light_spv},
+        [PASS_LIGHT + PASS_FRINGED] = {velum_light_fringed_spv, sizeof velum_light_fringed_spv},
         [PASS_GATHER] = {velum_gather_spv, sizeof velum_gather_spv},
         [PASS_MARCH_STUDY] = {velum_march_study_spv, sizeof velum_march_study_spv},
-        [PASS_MARCH_STUDY_MIXED] = {velum_march_study_spv, sizeof velum_march_study_spv},
+        [PASS_MARCH_STUDY + PASS_FRINGED] = {velum_march_study_fringed_spv, sizeof velum_march_study_fringed_spv},
+        [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
+        [PASS_SHADOW + PASS_FRINGED] = {velum_shadow_fringed_spv, sizeof velum_shadow_fringed_spv},
         [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
         [PASS_RESOLVE_GROUND] = {velum_resolve_spv, sizeof velum_resolve_spv},
         [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
         [PASS_RESOLVE_LAYERED_GROUND] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
-        [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
-        [PASS_SHADOW_MIXED] = {velum_shadow_spv, sizeof velum_shadow_spv},
         [PASS_REFERENCE] = {velum_reference_spv, sizeof velum_reference_spv},
+        [PASS_REFERENCE_FRINGED] = {velum_reference_fringed_spv, sizeof velum_reference_fringed_spv},
         [PASS_REFERENCE_RESOLVE] = {velum_reference_resolve_spv, sizeof velum_reference_resolve_spv},
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
@@ -195,9 +208,10 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
                                                  {3, offsetof(variant, air), sizeof values->air},
                                                  {4, offsetof(variant, closes), sizeof values->closes}};
     const VkSpecializationInfo constants = {5, entries, sizeof *values, values};
+    const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                            .codeSize = shaders[which].bytes,
-                                            .pCode = shaders[which].words};
+                                            .codeSize = shaders[code].bytes,
+                                            .pCode = shaders[code].words};
     VkShaderModule module = VK_NULL_HANDLE;
     if (!VK(g, CreateShaderModule(g->device, &module_info, NULL, &module))) {
         return false;
@@ -215,28 +229,39 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
 }
 
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
-    const variant values = {
-        .more = which == PASS_MARCH_MIXED || which == PASS_MARCH_CLOSED_MIXED || which == PASS_LIGHT_MIXED ||
-                which == PASS_LIGHT_CLOSED_MIXED || which == PASS_MARCH_STUDY_MIXED || which == PASS_SHADOW_MIXED ||
-                which == PASS_RESOLVE_GROUND || which == PASS_RESOLVE_LAYERED_GROUND,
-        .lanes = pipelines_reference_lanes(g),
-        .closes = which != PASS_MARCH && which != PASS_MARCH_MIXED && which != PASS_LIGHT && which != PASS_LIGHT_MIXED};
+    const uint32_t kind = variant_of(which);
+    const variant values = {.more = kind & PASS_MIXED || which == PASS_RESOLVE_GROUND ||
+                                    which == PASS_RESOLVE_LAYERED_GROUND,
+                            .lanes = pipelines_reference_lanes(g),
+                            .closes = kind & PASS_CLOSED || family_of(which) == PASS_MARCH_STUDY};
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
-VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots) {
+/* Those that a frame makes when it first needs them. */
+static bool is_later(pass which) {
+    bool closed = (variant_of(which) & PASS_CLOSED) != 0;
+    return variant_of(which) & PASS_FRINGED || is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && closed);
+}
+
+bool pipelines_want(pipelines *p, gpu *g, pass which) {
+    return p->pipeline[which] || create_pipeline(p, g, which);
+}
+
+VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {
     if (p->tracer_count == TRACERS_MAX - 1) {
         mixes = air = true;
         slots = (1u << VELUM_SLOT_COUNT) - 1;
+        fringed = true;
     }
-    const uint32_t key = slots | (uint32_t)mixes << 8 | (uint32_t)air << 9;
+    const uint32_t key = slots | (uint32_t)mixes << 8 | (uint32_t)air << 9 | (uint32_t)fringed << 10;
     for (uint32_t i = 0; i < p->tracer_count; i++) {
         if (p->tracer_key[i] == key) {
             return p->tracer[i];
         }
     }
     const variant values = {.more = mixes, .lanes = pipelines_reference_lanes(g), .slots = slots, .air = air};
-    if (!create_variant(p, g, PASS_REFERENCE, &values, &p->tracer[p->tracer_count])) {
+    if (!create_variant(p, g, fringed ? PASS_REFERENCE_FRINGED : PASS_REFERENCE, &values,
+                        &p->tracer[p->tracer_count])) {
         return VK_NULL_HANDLE;
     }
     p->tracer_key[p->tracer_count] = key;
@@ -268,8 +293,7 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
     for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
-        bool later = i == PASS_MARCH_STUDY || i == PASS_MARCH_STUDY_MIXED;
-        ok = later || create_pipeline(p, g, (pass)i);
+        ok = is_later((pass)i) || create_pipeline(p, g, (pass)i);
     }
     if (!ok) {
         pipelines_finish(p, g);
@@ -280,8 +304,8 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
 
 velum_result pipelines_add_study(pipelines *p, gpu *g) {
     bool ok = true;
-    for (uint32_t i = PASS_MARCH_STUDY; ok && i <= PASS_MARCH_STUDY_MIXED; i++) {
-        ok = p->pipeline[i] || create_pipeline(p, g, (pass)i);
+    for (uint32_t kind = 0; ok && kind <= PASS_MIXED; kind++) {
+        ok = pipelines_want(p, g, (pass)(PASS_MARCH_STUDY + kind));
     }
     return ok ? VELUM_OK : gpu_result(g);
 }

@@ -315,7 +315,8 @@ static bool bind_init(view *v, const velum_vulkan_images *images, const velum_vi
         e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    out->tracer = pipelines_tracer(&e->passes, &e->g, blocks_mix(e), y->block.ground[3] != 0.0f, y->block.table[2]);
+    out->tracer = pipelines_tracer(&e->passes, &e->g, blocks_mix(e), y->block.ground[3] != 0.0f, y->block.table[2],
+                                   y->block.table[3] != 0);
     return out->tracer && write_set(e, v, images, counter, &out->sets[1]);
 }
 

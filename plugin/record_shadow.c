@@ -139,7 +139,9 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         return log_fail(&e->sink, VELUM_ERROR_ARGUMENT, "shadow",
                         "record_shadow: frame.centre_ecef_m: no place on the earth");
     }
-    if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1])) {
+    const pass which = (pass)(PASS_SHADOW + (blocks_mix(e) ? PASS_MIXED : 0) + (block.table[3] ? PASS_FRINGED : 0));
+    if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1]) ||
+        !pipelines_want(&e->passes, g, which)) {
         return gpu_result(g);
     }
     if (!frame_uniform(e, &block, sizeof block, &offsets[0]) || !frame_uniform(e, &none, sizeof none, &offsets[1])) {
@@ -167,8 +169,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         offsets[2] = blocks[i];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
-        record_dispatch(e, commands, blocks_mix(e) ? PASS_SHADOW_MIXED : PASS_SHADOW, rectangles[i].width,
-                        rectangles[i].height);
+        record_dispatch(e, commands, which, rectangles[i].width, rectangles[i].height);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);

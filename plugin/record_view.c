@@ -439,7 +439,29 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
     return true;
 }
 
-/* Rays; the light of the places that they have found; both together. Studies light as they go. */
+/* For what is in sight of an eye. */
+typedef struct march_passes {
+    pass march, light; /* light PASS_COUNT: none; studies light as they go */
+} march_passes;
+
+static march_passes march_of(const eye *y) {
+    const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
+    const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
+    if (plan_is_study(&y->plan)) {
+        return (march_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT};
+    }
+    const int closed = closes ? PASS_CLOSED : 0;
+    return (march_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed)};
+}
+
+static bool want_passes(eye *y) {
+    engine *e = y->e;
+    const march_passes which = march_of(y);
+    return pipelines_want(&e->passes, &e->g, which.march) &&
+           (which.light == PASS_COUNT || pipelines_want(&e->passes, &e->g, which.light));
+}
+
+/* Rays; the light of the places that they have found; both together. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
@@ -447,21 +469,14 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
     const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
                                   VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    const eye *y = v->eye;
-    bool study = plan_is_study(&y->plan);
-    bool mix = blocks_mix(e);
-    bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
-    pass march = study    ? (mix ? PASS_MARCH_STUDY_MIXED : PASS_MARCH_STUDY)
-                 : closes ? (mix ? PASS_MARCH_CLOSED_MIXED : PASS_MARCH_CLOSED)
-                          : (mix ? PASS_MARCH_MIXED : PASS_MARCH);
-    record_dispatch(e, commands, march, block->march_size[0], block->march_size[1]);
-    if (study) {
+    const march_passes which = march_of(v->eye);
+    record_dispatch(e, commands, which.march, block->march_size[0], block->march_size[1]);
+    if (which.light == PASS_COUNT) {
         return;
     }
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                 access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    pass light = closes ? (mix ? PASS_LIGHT_CLOSED_MIXED : PASS_LIGHT_CLOSED) : (mix ? PASS_LIGHT_MIXED : PASS_LIGHT);
-    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[light]);
+    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which.light]);
     g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
     gpu_barrier(g, commands, compute, write, compute, access);
     record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);
@@ -531,7 +546,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
     const block_size side = block_of(y->plan.ray_rate);
-    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
+    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h) || !want_passes(y)) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);

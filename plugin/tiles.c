@@ -76,8 +76,8 @@ static velum_result make_set(tiles *t, const tiles_context *c, const double posi
     }
     size_t count = set.data_count ? set.data_count : 1;
     uint32_t *resolved = calloc(count, sizeof *resolved);
-    uint32_t *page = calloc(count * 2 * VELUM_SLOT_COUNT, sizeof *page);
-    uint64_t *contents = calloc(count * 2 * VELUM_SLOT_COUNT, sizeof *contents);
+    uint32_t *page = calloc(count * 2 * TILE_PAGES, sizeof *page);
+    uint64_t *contents = calloc(count * 2 * TILE_PAGES, sizeof *contents);
     if (!resolved || !page || !contents) {
         free(resolved);
         free(page);
@@ -128,14 +128,34 @@ static bool find_tiles(const tiles_context *c, uint32_t key, bool rasterise, cor
     return true;
 }
 
+static void widen(velum_span_m *span, const velum_span_m *by) {
+    bool first = span->low >= span->high;
+    span->low = first ? by->low : fminf(span->low, by->low);
+    span->high = first ? by->high : fmaxf(span->high, by->high);
+}
+
+static void note_fringe(tiles *t, uint32_t slot, const core_tile_slot *fields) {
+    if (fields->scud_m.low < fields->scud_m.high) {
+        t->fringes |= 1u << (VELUM_PART_SCUD + slot);
+        widen(&t->scud_m[slot], &fields->scud_m);
+        t->most_scud_1_m[slot] = fmaxf(t->most_scud_1_m[slot], fields->max_scud_1_m);
+    }
+    if (fields->fall_m.low < fields->fall_m.high) {
+        t->fringes |= 1u << (VELUM_PART_FALL + slot);
+        widen(&t->fall_m[slot], &fields->fall_m);
+        t->most_fall_1_m[slot] = fmaxf(t->most_fall_1_m[slot], fields->max_fall_1_m);
+    }
+}
+
 /* Pages of data key i from two tiles. False: no room. */
 static bool take_pages(tiles *t, const tiles_context *c, uint32_t i, core_tile *tile[2]) {
     bool all = true;
     for (uint32_t s = 0; s < 2; s++) {
         for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-            uint32_t at = (i * 2 + s) * VELUM_SLOT_COUNT + slot;
-            t->page[at] = VELUM_PAGE_NONE;
-            t->contents[at] = 0;
+            uint32_t at = (i * 2 + s) * TILE_PAGES + slot;
+            uint32_t fringe = at + VELUM_SLOT_COUNT;
+            t->page[at] = t->page[fringe] = VELUM_PAGE_NONE;
+            t->contents[at] = t->contents[fringe] = 0;
             if (!tile[s] || !(tile[s]->mask & (1u << slot))) {
                 continue;
             }
@@ -148,6 +168,11 @@ static bool take_pages(tiles *t, const tiles_context *c, uint32_t i, core_tile *
             t->closing |= closes ? 1u << slot : 0;
             t->base_m[slot] = first ? fields->min_base_m : fminf(t->base_m[slot], fields->min_base_m);
             t->top_m[slot] = first ? fields->max_top_m : fmaxf(t->top_m[slot], fields->max_top_m);
+            if (fields->fringe) {
+                t->page[fringe] = pages_get(c->p, c->s, tile[s], VELUM_SLOT_COUNT + slot, &t->contents[fringe]);
+                all = all && t->page[fringe] != VELUM_PAGE_NONE;
+                note_fringe(t, slot, fields);
+            }
         }
     }
     return all;
@@ -164,8 +189,11 @@ static uint32_t parent_of(uint32_t key) {
 }
 
 static void resolve(tiles *t, const tiles_context *c) {
-    t->mask = 0;
-    t->closing = 0;
+    t->mask = t->closing = t->fringes = 0;
+    memset(t->scud_m, 0, sizeof t->scud_m);
+    memset(t->fall_m, 0, sizeof t->fall_m);
+    memset(t->most_scud_1_m, 0, sizeof t->most_scud_1_m);
+    memset(t->most_fall_1_m, 0, sizeof t->most_fall_1_m);
     t->standing = VELUM_OK;
     for (uint32_t i = 0; i < t->set.data_count; i++) {
         uint32_t key = t->set.data_keys[i];
@@ -207,7 +235,7 @@ static uint32_t page_of(void *context, uint32_t state, uint32_t data_key, uint32
             return VELUM_PAGE_NONE;
         }
         if (l->t->resolved[i - 1] == data_key) {
-            return l->t->page[((i - 1) * 2 + state) * VELUM_SLOT_COUNT + slot];
+            return l->t->page[((i - 1) * 2 + state) * TILE_PAGES + slot];
         }
     }
 }
@@ -215,12 +243,12 @@ static uint32_t page_of(void *context, uint32_t state, uint32_t data_key, uint32
 static velum_result build_table(tiles *t, tiles_context *c) {
     uint32_t entries = core_tile_table_entries(t->set.key_count);
     uint32_t slots = core_tile_table_entries(t->set.data_count);
-    size_t bytes = (size_t)entries * VELUM_TABLE_WORDS * sizeof(uint32_t);
-    uint32_t *words = malloc(bytes);
+    size_t bytes = 0;
+    uint32_t *words = NULL;
     uint32_t *index = calloc(slots, sizeof *index);
     VkDeviceSize offset = 0;
     velum_result result = VELUM_OK;
-    if (!words || !index) {
+    if (!index) {
         result = log_fail(c->sink, VELUM_ERROR_OUT_OF_MEMORY, "eye", "record_shared: no memory for a page table");
         goto error;
     }
@@ -234,8 +262,14 @@ static velum_result build_table(tiles *t, tiles_context *c) {
     core_tile_set resolved = t->set;
     resolved.data_keys = t->resolved;
     lookup l = {t, index, slots - 1};
+    bytes = core_tile_table_words(&resolved, 2, page_of, &l, entries) * sizeof *words;
+    words = malloc(bytes);
+    if (!words) {
+        result = log_fail(c->sink, VELUM_ERROR_OUT_OF_MEMORY, "eye", "record_shared: no memory for a page table");
+        goto error;
+    }
     core_tile_table_build(&resolved, 2, page_of, &l, words, entries);
-    if (t->words && t->entries == entries && memcmp(t->words, words, bytes) == 0) {
+    if (t->words && t->words_bytes == bytes && memcmp(t->words, words, bytes) == 0) {
         free(words);
         free(index);
         return VELUM_OK;
@@ -257,6 +291,7 @@ static velum_result build_table(tiles *t, tiles_context *c) {
     free(t->words);
     free(index);
     t->words = words;
+    t->words_bytes = bytes;
     t->entries = entries;
     t->built++;
     return VELUM_OK;
@@ -269,7 +304,7 @@ error:
 
 static bool pages_hold(const tiles *t, pages *p) {
     bool all = true;
-    for (uint32_t i = 0; i < t->set.data_count * 2 * VELUM_SLOT_COUNT; i++) {
+    for (uint32_t i = 0; i < t->set.data_count * 2 * TILE_PAGES; i++) {
         all = (t->page[i] == VELUM_PAGE_NONE || pages_keep(p, t->page[i], t->contents[i])) && all;
     }
     return all;

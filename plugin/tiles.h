@@ -6,6 +6,9 @@
 #include "pages.h"
 #include "world.h"
 
+/* Pages of a tile: of each slot's cloud, then of each one's fringe. */
+enum { TILE_PAGES = 2 * VELUM_SLOT_COUNT };
+
 enum { TABLE_CHUNK_BYTES = 64 * VELUM_TABLE_WORDS * 4, TABLE_CHUNKS = 1024 };
 
 /* The buffer of all page tables, in chunks of 64 entries. */
@@ -23,16 +26,20 @@ typedef struct tiles {
     core_tile_eye wanted;
     uint64_t states[2];
     uint32_t *resolved; /* per data key: the key that stands for it */
-    uint32_t *page;     /* per data key, state, slot */
+    uint32_t *page;     /* per data key, state, slot; fringes after the slots */
     uint64_t *contents;
     velum_result standing; /* VELUM_OK, VELUM_INCOMPLETE or VELUM_DEGRADED */
     uint32_t *words;       /* the table as the device has it */
+    size_t words_bytes;
     uint32_t entries;
     uint64_t built; /* tables so far */
     uint32_t first_chunk, chunk_count;
     uint32_t mask;                                           /* slots with cloud */
     uint32_t closing;                                        /* of them: uniform, or all but overcast somewhere */
+    uint32_t fringes;                                        /* VELUM_PART_* + slot */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
+    velum_span_m scud_m[VELUM_SLOT_COUNT], fall_m[VELUM_SLOT_COUNT];
+    float most_scud_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
 } tiles;
 
 /* Where updates find what they need. */

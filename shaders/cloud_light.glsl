@@ -3,6 +3,7 @@
 #define VELUM_CLOUD_LIGHT_GLSL
 
 #include "air.glsl"
+#include "fringe.glsl"
 #include "scattering.glsl"
 #include "shared/shade.h"
 #include "shared/slab.h"
@@ -32,13 +33,17 @@ ray_phases ray_phases_of(float cos_sun) {
 /* Cloud of a slot at a point. */
 struct cloud_hit {
     int slot;
+    int part; /* the slot, or VELUM_PART_* of it */
     velum_slot_fields fields;
     velum_profile profile;
     float excess;
     float margin; /* velum_margin */
+    float across; /* optical depth of scud or of what falls, from side to side; of cloud 0 */
     float extinction_1_m;
     float height_fraction; /* of the layer */
+    vec2 span_m;           /* heights between which there is something */
     bool within, covered;  /* the layer; a cloud's column, in it */
+    bool sampled;          /* anything was asked for its density */
     vec3 r;
     vec3 normal;
     float height_m; /* of the light's place */
@@ -75,6 +80,13 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
     }
 }
 
+bool is_fringe(cloud_hit hit) {
+    return FRINGED(hit.part >= VELUM_PART_SCUD, false);
+}
+
+/* The cloud over a shaft is far and uneven: few steps would draw its shadows as steps. */
+const int fringe_sun_steps = 2;
+
 /* Fields, profile and extinction where slot, place, tile and step are known. `looking` false: nothing is there;
  * `base`: the shape without lumps and detail. */
 void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, float distance_m, bool base) {
@@ -83,7 +95,8 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
     float over_m = hit.at_h_m - f.base_m;
     float z = over_m / max(f.top_m - f.base_m, 1.0);
-    bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0;
+    bool fringe = is_fringe(hit);
+    bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0 && !fringe;
     profile_recall(memo, slot, f);
     velum_profile profile = memo.profile;
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
@@ -110,8 +123,25 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
 #ifdef VELUM_STUDY
     hit.extinction_1_m = study_thinned(hit.extinction_1_m, f.extinction_1_m);
 #endif
+    hit.span_m = vec2(f.base_m, f.top_m);
+    hit.sampled = within;
+    hit.across = 0.0;
+#ifdef VELUM_FRINGED
+    for (int once = fringe && f.coverage > 0.0 ? 0 : 1; once < 1; ++once) {
+        velum_fringe g = slot_fringe(hit.tile, slot);
+        float h = hit.at_h_m;
+        hit.span_m = part_span(hit.part, f, g);
+        hit.sampled = h > hit.span_m.x && h < hit.span_m.y;
+        for (int inside = hit.sampled ? 0 : 1; inside < 1; ++inside) {
+            hit.extinction_1_m = part_extinction(hit.part, f, profile, g, hit.r, hit.normal, h,
+                                                 velum_shows_fine(distance_m, eye.slots[slot].fine_0.w));
+        }
+        hit.margin = 0.0;
+        hit.across = hit.extinction_1_m * part_across_m(hit.part);
+    }
+#endif
     /* Sharp faces: the share of the step that lies within them. */
-    if (velum_closes && uniform_layer && looking && f.coverage >= 0.5) {
+    if (velum_closes && uniform_layer && !fringe && looking && f.coverage >= 0.5) {
         hit.extinction_1_m = f.extinction_1_m * slab_span(hit).inside_m / (hit.before_m + hit.after_m);
     }
 }
@@ -232,6 +262,8 @@ ways_out ways_out_of(cloud_hit hit) {
 /* Per unit of scattering; `depth`: towards the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
     float whole = ways.up + ways.down + depth;
+    /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
+    whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
     bool storm = hit.slot == VELUM_SLOT_STORM;
     float up = 1.0 / (1.0 + turns * ways.up);
     float down = 1.0 / (1.0 + turns * ways.down);
@@ -256,6 +288,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float walls = storm ? max(hit.fields.coverage, storm_walls) : hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
+    carved = is_fringe(hit) ? 0.0 : carved;
     float open = 1.0 / (1.0 + crevice * carved);
     return sun * (first + widened + deep * diffuse) +
            open * (above * up + below * down + beside * flank) / (up + down + flank);

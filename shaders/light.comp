@@ -26,7 +26,8 @@ void main() {
     float at = found.x;
 
     cloud_hit hit;
-    hit.slot = int(found.w);
+    hit.part = int(found.w);
+    hit.slot = FRINGED(hit.part & (VELUM_SLOT_COUNT - 1), hit.part);
     hit.r = ray.origin + ray.direction * at;
     velum_place here = place_of(hit.r);
     hit.normal = vec3(here.nx, here.ny, here.nz);
@@ -39,11 +40,12 @@ void main() {
     cloud_look(hit, memo, true, at, false);
 
     float place_m = 0.0;
-    vec3 source = cloud_source(hit, ray_phases_of(dot(ray.direction, eye.sun.xyz)), int(view.steps.y),
+    int steps = int(view.steps.y) * (is_fringe(hit) ? fringe_sun_steps : 1);
+    vec3 source = cloud_source(hit, ray_phases_of(dot(ray.direction, eye.sun.xyz)), steps,
                                0.25 + 0.5 * offset, place_m);
     lit[place] = vec4(source, place_m) * found.z;
 
-    uint samples = subgroupAdd(view.steps.y);
+    uint samples = subgroupAdd(uint(steps));
     if (subgroupElect()) {
         atomicAdd(counters[2], samples);
     }

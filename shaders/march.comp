@@ -114,6 +114,11 @@ void main() {
     float settled = position; /* light and transmittance hold up to here */
 
     profile_memo memo = profile_none();
+#ifdef VELUM_FRINGED
+    float room = 0.0; /* from the last sample on, how far there is nothing but what falls */
+    const float fall_stride = 2.0; /* of a long step there: that is smooth */
+#endif
+
     while (alive) {
         cloud_hit hit;
         hit.extinction_1_m = 0.0;
@@ -123,6 +128,10 @@ void main() {
         float hurry = 1.0 + 4.0 * spent * spent * spent;
         float long_dt = max(dt_min, min(position * growth, longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
+#ifdef VELUM_FRINGED
+        bool strides = !is_short && room > 2.2 * fall_stride * long_dt;
+        dt = strides ? clamp(longest * hurry, dt, fall_stride * dt) : dt;
+#endif
         dt = min(dt, end - position);
         float at = position + dt * offset;
         vec3 r = ray.origin + ray.direction * at;
@@ -140,26 +149,40 @@ void main() {
         /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
         uint meets = 0u;
         bool clear_tile = false;
-        for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
+#ifdef VELUM_FRINGED
+        room = 1.0e9;
+#endif
+        for (uint rest = FRINGED(eye.table.z | eye.table.w, eye.table.z); rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
-            vec4 bounds = eye.slots[candidate].bounds;
+            vec4 bounds = FRINGED(part_bounds(candidate), eye.slots[candidate].bounds);
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
-            bool here = (tile.mask & bit) != 0u;
+            bool here = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
             float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
             clear_tile = clear_tile || (!outside && !here);
             advance = min(advance, away);
+#ifdef VELUM_FRINGED
+            room = candidate < VELUM_PART_FALL ? min(room, outside ? away : 0.0) : room;
+#endif
             bool fresh = !outside && here && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
         }
         /* Of two uniform layers in one step the nearer comes first; they come last. */
-        int slot = meets != 0u ? findLSB(meets) : 0;
-        slot = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : slot;
+        int part = meets != 0u ? findLSB(meets) : 0;
+#ifdef VELUM_FRINGED
+        /* What is gone back to before what is not: nothing is lit twice. */
+        uint sharp = meets & ~(sheets | all_fall);
+        part = sharp != 0u ? findLSB(sharp) : part;
+#endif
+        part = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : part;
         bool looking = meets != 0u;
-        done |= looking ? 1u << uint(slot) : 0u;
-        meets &= ~(1u << uint(slot));
+        done |= looking ? 1u << uint(part) : 0u;
+        meets &= ~(1u << uint(part));
+        int slot = FRINGED(part & (VELUM_SLOT_COUNT - 1), part);
+        bool falls = FRINGED(part >= VELUM_PART_FALL, false);
 
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
+        hit.part = part;
         hit.slot = slot;
         hit.tile = tile;
         hit.r = r;
@@ -173,7 +196,7 @@ void main() {
         float extinction = hit.extinction_1_m;
         bool within = hit.within;
         bool covered = hit.covered;
-        samples += within ? 1u : 0u;
+        samples += hit.sampled ? 1u : 0u;
 
         /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
@@ -186,7 +209,7 @@ void main() {
         advance = clear_tile ? min(advance, reach_m.x) : advance;
         float gap = min(max(-hit.excess, 0.0) * f.coverage * 0.05 * period_m, texel_m);
         float clear = covered ? min(max(-hit.margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
-        float climb = min(0.7 * reach_bounds(h, rise, f.base_m, f.top_m), min(0.1 * at + 500.0, texel_m));
+        float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
         float own = f.coverage <= 0.0 ? reach_m.y : (within ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
@@ -194,24 +217,24 @@ void main() {
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
-        float layer_m = max(layer_share * max(f.top_m - f.base_m, 1.0) / max(abs(rise), 1.0e-3), dt_min);
+        float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
-        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < f.top_m && high > f.base_m;
+        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
         if (passes) {
             found = false;
             longest = allowed;
             allowed = 1.0e9;
             advance = 1.0e9;
             done = 0u;
-        } else if (found && !is_short && !uniform_layer) {
+        } else if (found && !is_short && !uniform_layer && !falls) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
-            short_until = found ? max(short_until, position + 0.6 * long_dt) : short_until;
+            short_until = found && !falls ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
@@ -233,6 +256,7 @@ void main() {
         bool shows = study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim;
         bool wanted = extinction > 0.0 && (shows || !is_lit || uniform_layer);
         int light_steps = wanted ? study_sun_steps(int(view.steps.y)) : 0;
+        light_steps *= is_fringe(hit) ? fringe_sun_steps : 1;
         light_samples += uint(light_steps);
         float place_m = 0.0;
         for (int once = wanted ? 0 : 1; once < 1; ++once) {
@@ -243,9 +267,9 @@ void main() {
         weighted += alpha * min(at + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
-        float part = uniform_layer ? 1.0 / float(VELUM_LIT_PLACES) : lit_part;
+        float fraction = uniform_layer ? 1.0 / float(VELUM_LIT_PLACES) : lit_part;
         bool opens = alpha > 0.0 && (places == 0u || (places < uint(VELUM_LIT_PLACES) &&
-                                                      (float(slot) != place.w || through < 1.0 - float(places) * part)));
+                                                      (float(part) != place.w || through < 1.0 - float(places) * fraction)));
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
         }
@@ -254,7 +278,7 @@ void main() {
         float share = alpha / max(place.z, 1.0e-20);
         bool takes = alpha > 0.0 && pick < share;
         pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
-        place.xyw = takes ? vec3(at, dt, float(slot)) : place.xyw;
+        place.xyw = takes ? vec3(at, dt, float(part)) : place.xyw;
         weighted += alpha * at;
 #endif
         weight += alpha;

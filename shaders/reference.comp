@@ -132,7 +132,7 @@ void main() {
     air_m = far_m;
     air_1_m = 0.0;
     tile_forget();
-    for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
+    for (int slot = 0; slot < process_count; ++slot) {
         clear_m[slot] = far_m;
     }
 
@@ -164,6 +164,10 @@ void main() {
         clear_m[5] = lane.clear_4.y;
         clear_m[6] = lane.clear_4.z;
         clear_m[7] = lane.clear_4.w;
+#ifdef VELUM_FRINGED
+        clear_m[process_scud] = uintBitsToFloat(lane.media.z);
+        clear_m[process_fall] = uintBitsToFloat(lane.media.w);
+#endif
         tracked = lane.tracked.xyz;
         air_m = lane.tracked.w;
         light = lane.light.xyz;
@@ -244,7 +248,7 @@ void main() {
 
             /* Shares of what was tried for that scatter, by medium, are lost, and pass. */
             for (int once = meets ? 0 : 1; once < 1; ++once) {
-                float extinction = clouds_at(slot, r, d, missing) / bound_1_m;
+                float extinction = clouds_at(slot, r, d, FRINGED(draw(), 0.0), missing) / bound_1_m;
                 float kept = 1.0 - extinction;
                 above += kept < -1e-3 ? 1u : 0u;
                 float scattering = slot >= VELUM_SLOT_UNIFORM ? extinction * eye.slots[slot].optics.x : extinction;
@@ -517,7 +521,8 @@ void main() {
         for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
             lane.chosen[i] = chosen[i];
         }
-        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), 0u, 0u);
+        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), FRINGED(floatBitsToUint(clear_m[process_scud]), 0u),
+                           FRINGED(floatBitsToUint(clear_m[process_fall]), 0u));
         lane.next_d = vec4(next_d, dim);
         lane.next = vec4(next_weight, air_1_m);
         for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {

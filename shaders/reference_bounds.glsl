@@ -5,6 +5,7 @@
 #include "air.glsl"
 #include "view.glsl"
 #include "weather.glsl"
+#include "fringe.glsl"
 #include "shared/phase_sample.h"
 #include "shared/reference.h"
 

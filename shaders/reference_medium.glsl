@@ -13,13 +13,30 @@ const int medium_haze = 11;
 const int medium_fog = 12;
 
 #define VELUM_EACH_SLOT(DO) DO(0) DO(1) DO(2) DO(3) DO(4) DO(5) DO(6) DO(7)
+/* What is tracked: the cloud of each slot, all scud, all that falls. */
+const int process_scud = VELUM_SLOT_COUNT;
+const int process_fall = VELUM_SLOT_COUNT + 1;
+const int process_count = FRINGED(VELUM_SLOT_COUNT + 2, VELUM_SLOT_COUNT);
+#ifdef VELUM_FRINGED
+#define VELUM_EACH_PROCESS(DO) VELUM_EACH_SLOT(DO) DO(process_scud) DO(process_fall)
+#else
+#define VELUM_EACH_PROCESS(DO) VELUM_EACH_SLOT(DO)
+#endif
 
 bool slot_is_there(const int slot) {
     return (velum_slots & (1u << uint(slot))) != 0u;
 }
 
-/* Metres from here along the ray in which a slot has no cloud; 0: it may. */
-float clear_m[VELUM_SLOT_COUNT];
+uint fringes_of(const int process) {
+    return FRINGED(eye.table.w & (process == process_scud ? all_scud : all_fall), 0u);
+}
+
+bool process_is_there(const int process) {
+    return process < VELUM_SLOT_COUNT ? slot_is_there(process) : fringes_of(process) != 0u;
+}
+
+/* Metres from here along the ray in which a process has nothing; 0: it may. */
+float clear_m[process_count];
 /* The tile under the last point that was looked at. */
 tile_place tile_under;
 
@@ -28,14 +45,46 @@ vec2 slot_heights(int slot) {
     return eye.slots[slot].bounds.xy + vec2(-margin_m, margin_m);
 }
 
+vec2 process_heights(const int process) {
+    vec2 heights = vec2(far_m, -far_m);
+    if (process < VELUM_SLOT_COUNT) {
+        heights = slot_heights(process);
+    }
+#ifdef VELUM_FRINGED
+    else {
+        for (uint rest = fringes_of(process); rest != 0u; rest &= rest - 1u) {
+            vec2 own = part_bounds(findLSB(rest)).xy;
+            heights = vec2(min(heights.x, own.x - margin_m), max(heights.y, own.y + margin_m));
+        }
+    }
+#endif
+    return heights;
+}
+
+/* Its bound, 1/m. */
+float process_most(const int process) {
+    float most = 0.0;
+    if (process < VELUM_SLOT_COUNT) {
+        most = eye.slots[process].bounds.w;
+    }
+#ifdef VELUM_FRINGED
+    else {
+        for (uint rest = fringes_of(process); rest != 0u; rest &= rest - 1u) {
+            most += part_bounds(findLSB(rest)).z * 1.0005;
+        }
+    }
+#endif
+    return most;
+}
+
 /* At the beginning of a ray. */
 void clear_from(float h, float rise) {
 #define VELUM_CLEAR(n)                                                                                                 \
-    if (slot_is_there(n)) {                                                                                            \
-        vec2 heights = slot_heights(n);                                                                                \
+    if (process_is_there(n)) {                                                                                         \
+        vec2 heights = process_heights(n);                                                                             \
         clear_m[n] = reach_heights(h, rise, heights.x, heights.y);                                                     \
     }
-    VELUM_EACH_SLOT(VELUM_CLEAR)
+    VELUM_EACH_PROCESS(VELUM_CLEAR)
 }
 
 /* Moves along the ray to where some slot's bound, drawn down by `depth`, is used up: true, with that slot; or to `end`. */
@@ -44,16 +93,16 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
     float most = 0.0;
     float near_m = end_m;
     bool meets = false;
-    for (int i = 0; i < 2 * VELUM_SLOT_COUNT; ++i) {
+    for (int i = 0; i < 2 * process_count; ++i) {
         most = 0.0;
         near_m = end_m;
 #define VELUM_BOUND(n)                                                                                                 \
-    if (slot_is_there(n)) {                                                                                            \
+    if (process_is_there(n)) {                                                                                         \
         bool on = clear_m[n] <= gone_m;                                                                                \
-        most += on ? eye.slots[n].bounds.w : 0.0;                                                                      \
+        most += on ? process_most(n) : 0.0;                                                                            \
         near_m = on ? near_m : min(near_m, clear_m[n]);                                                                \
     }
-        VELUM_EACH_SLOT(VELUM_BOUND)
+        VELUM_EACH_PROCESS(VELUM_BOUND)
         float free_m = depth / max(most, 1e-30);
         meets = free_m < near_m - gone_m;
         depth -= (near_m - gone_m) * most;
@@ -67,15 +116,15 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
     bound_1_m = 1.0;
     float pick = choice * most;
 #define VELUM_CHOOSE(n)                                                                                                \
-    if (slot_is_there(n)) {                                                                                            \
-        float own = clear_m[n] <= gone_m ? eye.slots[n].bounds.w : 0.0;                                                \
+    if (process_is_there(n)) {                                                                                         \
+        float own = clear_m[n] <= gone_m ? process_most(n) : 0.0;                                                      \
         bool chosen = own > 0.0 && pick >= 0.0;                                                                        \
         slot = chosen ? n : slot;                                                                                      \
         bound_1_m = chosen ? own : bound_1_m;                                                                          \
         pick -= own;                                                                                                   \
         clear_m[n] = max(clear_m[n] - gone_m, 0.0);                                                                    \
     }
-    VELUM_EACH_SLOT(VELUM_CHOOSE)
+    VELUM_EACH_PROCESS(VELUM_CHOOSE)
     return meets;
 }
 
@@ -176,8 +225,42 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
     return extinction;
 }
 
-/* Of the slot that was chosen. */
-float clouds_at(int slot, vec3 r, vec3 d, inout bool missing) {
+#ifdef VELUM_FRINGED
+/* Extinction of all scud, or of all that falls, and a slot that it belongs to, by chance. */
+float fringe_at(const int process, velum_place place, vec3 r, vec3 d, float choice, out int slot) {
+    vec3 normal = vec3(place.nx, place.ny, place.nz);
+    float h = place.height_m;
+    vec2 heights = process_heights(process);
+    bool inside = h >= heights.x && h <= heights.y;
+    uint parts = tile_under.parts & fringes_of(process);
+    float extinction = 0.0;
+    slot = 0;
+    for (uint rest = inside ? parts : 0u; rest != 0u; rest &= rest - 1u) {
+        int part = findLSB(rest);
+        int own_slot = part & (VELUM_SLOT_COUNT - 1);
+        velum_slot_fields f = slot_fields(tile_under, own_slot, true);
+        velum_fringe g = slot_fringe(tile_under, own_slot);
+        vec2 span = part_span(part, f, g);
+        for (int once = f.coverage > 0.0 && h > span.x && h < span.y ? 0 : 1; once < 1; ++once) {
+            float own = part_extinction(part, f, velum_profile_of(own_slot, f), g, r, normal, h, true);
+            extinction += own;
+            float share = own / max(extinction, 1e-30);
+            bool chosen = choice < share;
+            slot = chosen ? own_slot : slot;
+            choice = chosen ? choice / share : (choice - share) / max(1.0 - share, 1e-30);
+        }
+    }
+    float beside = 0.0;
+    for (int once = inside && parts == 0u ? 0 : 1; once < 1; ++once) {
+        beside = tile_distance(tile_under, r, d, normal);
+    }
+    clear_m[process] = inside ? beside : reach_heights(h, dot(normal, d), heights.x, heights.y);
+    return extinction;
+}
+#endif
+
+/* Of the process that was chosen, which becomes the slot that it belongs to. */
+float clouds_at(inout int slot, vec3 r, vec3 d, float choice, inout bool missing) {
     velum_place place = place_of(r);
     uint last = tile_under.key;
     tile_under = tile_move(tile_under, vec3(place.nx, place.ny, place.nz), length(r));
@@ -186,6 +269,7 @@ float clouds_at(int slot, vec3 r, vec3 d, inout bool missing) {
         tile_learn();
     }
     float extinction = 0.0;
+    const int process = slot;
 #define VELUM_LOOK(n)                                                                                                  \
     if (slot_is_there(n)) {                                                                                            \
         for (int own = slot == n ? 0 : 1; own < 1; ++own) {                                                            \
@@ -193,6 +277,16 @@ float clouds_at(int slot, vec3 r, vec3 d, inout bool missing) {
         }                                                                                                              \
     }
     VELUM_EACH_SLOT(VELUM_LOOK)
+#ifdef VELUM_FRINGED
+#define VELUM_LOOK_BELOW(n)                                                                                            \
+    if (process_is_there(n)) {                                                                                         \
+        for (int own = process == n ? 0 : 1; own < 1; ++own) {                                                         \
+            extinction = fringe_at(n, place, r, d, choice, slot);                                                      \
+        }                                                                                                              \
+    }
+    VELUM_LOOK_BELOW(process_scud)
+    VELUM_LOOK_BELOW(process_fall)
+#endif
     return extinction;
 }
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 /* A level of a cloud shadow map: transmittance of all cloud towards the sun, from where the texel's line along the sun
  * meets the ellipsoid. */
-#include "weather.glsl"
+#include "fringe.glsl"
 #include "shared/slab.h"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_SHADOW_LEVEL, std140) uniform level_uniform {
@@ -12,6 +12,44 @@ layout(set = 1, binding = VELUM_BIND_SHADOW_OUT, r16f) uniform writeonly image2D
 
 /* Of a line through the shell of a layer. */
 const float most_steps = 32.0;
+
+#ifdef VELUM_FRINGED
+/* Optical depth of scud and of what falls, from so far on along the sun's line. */
+float fringe_depth(vec3 plane, vec3 to_sun, float from_m) {
+    float depth = 0.0;
+    tile_place tile = tile_nowhere();
+    for (uint rest = eye.table.w; rest != 0u; rest &= rest - 1u) {
+        int part = findLSB(rest);
+        int slot = part & (VELUM_SLOT_COUNT - 1);
+        vec4 bounds = part_bounds(part);
+        velum_span high = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z,
+                                            bounds.y * VELUM_SCALE_Z + 1.0);
+        velum_span low = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z,
+                                           max(bounds.x - 1.0, -1000.0));
+        float position = max(from_m, high.enter_m);
+        position = low.enter_m <= low.leave_m && bounds.x > 0.0 ? max(position, low.leave_m) : position;
+        float way = high.enter_m <= high.leave_m ? max(high.leave_m - position, 0.0) : 0.0;
+        float count = way > 0.0 ? clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps) : 0.0;
+        float dt = way / max(count, 1.0);
+        for (float i = 0.5; i < count; i += 1.0) {
+            vec3 r = plane + to_sun * (position + dt * i);
+            velum_place place = place_of(r);
+            vec3 normal = vec3(place.nx, place.ny, place.nz);
+            tile = tile_move(tile, normal, max(length(r), 1.0));
+            for (int once = (tile.parts & (1u << uint(part))) != 0u ? 0 : 1; once < 1; ++once) {
+                velum_slot_fields f = slot_fields(tile, slot, true);
+                velum_fringe g = slot_fringe(tile, slot);
+                vec2 span = part_span(part, f, g);
+                float h = place.height_m;
+                for (int inside = f.coverage > 0.0 && h > span.x && h < span.y ? 0 : 1; inside < 1; ++inside) {
+                    depth += dt * part_extinction(part, f, velum_profile_of(slot, f), g, r, normal, h, false);
+                }
+            }
+        }
+    }
+    return depth;
+}
+#endif
 
 void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, level.window.zw))) {
@@ -80,5 +118,6 @@ void main() {
             position += stride;
         }
     }
+    depth += FRINGED(fringe_depth(plane, to_sun, grounded ? ground.leave_m : -1.0e9), 0.0);
     imageStore(shadow_out, ivec3(texel, int(level.origin.w)), vec4(exp(-depth)));
 }

@@ -15,11 +15,21 @@ float velum_detail_at(float x, float y, float z) {
 
 /* Two weather states, or two lives of the noise, are mixed. The plain pipeline does not pay for it. */
 layout(constant_id = 0) const bool velum_mixes = true;
+/* Layers with scud or precipitation have passes of their own: nor for these. */
+#ifdef VELUM_FRINGED
+#define FRINGED(there, plain) (there)
+#else
+#define FRINGED(there, plain) (plain)
+#endif
 
 struct tile_place {
     uint key;   /* asked for; VELUM_TILE_KEY_NONE: nothing yet */
     uint entry; /* first word of the table's entry; VELUM_TILE_KEY_NONE: nothing there */
     uint mask;  /* slots with cloud */
+#ifdef VELUM_FRINGED
+    uint fringe; /* first word of the fringes' pages */
+    uint parts;  /* VELUM_PART_* that can be there */
+#endif
     float scale; /* of coordinates at the level asked for, to the page's */
     float side_m; /* of the tile whose page it is, nominal: an ancestor where the weather is smooth */
     float own_m;  /* of the tile asked for */
@@ -30,7 +40,11 @@ struct tile_place {
 };
 
 tile_place tile_nowhere() {
+#ifdef VELUM_FRINGED
+    return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 0u, 0u, 1.0, VELUM_TILE_FACE_M, VELUM_TILE_FACE_M, 0, vec2(0.0), vec2(0.0), false);
+#else
     return tile_place(VELUM_TILE_KEY_NONE, VELUM_TILE_KEY_NONE, 0u, 1.0, VELUM_TILE_FACE_M, VELUM_TILE_FACE_M, 0, vec2(0.0), vec2(0.0), false);
+#endif
 }
 
 /* The entry that stands for a place at a level, or for the finest coarser one that there is. */
@@ -49,6 +63,11 @@ tile_place tile_look_up(velum_face_place face, int wanted, uint key) {
             if (found == found_key) {
                 place.entry = word;
                 place.mask = table[word + 2u] & eye.table.z;
+#ifdef VELUM_FRINGED
+                uint fringed = table[word + 2u] >> uint(VELUM_SLOT_COUNT);
+                place.fringe = eye.table.x + table[word + 3u];
+                place.parts = (fringed << VELUM_PART_SCUD | fringed << VELUM_PART_FALL) & eye.table.w;
+#endif
                 uint data_level = table[word + 1u];
                 place.scale = 1.0 / float(1u << (uint(wanted) - data_level));
                 place.side_m = VELUM_TILE_FACE_M / float(1u << data_level);

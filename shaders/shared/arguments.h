@@ -38,7 +38,8 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(scaled);   /* velum_eye_geometry: unit scaled position; |s| m */
     VELUM_VEC4(position); /* ECEF m; |s|^2 - a^2 m2 */
     VELUM_VEC4(up);       /* geodetic normal; height HAE m */
-    VELUM_UVEC4(table); /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; 0 */
+    VELUM_UVEC4(table); /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; of their fringes
+                           (VELUM_PART_*) */
     VELUM_VEC4(weather); /* detail of tiles; blend of states 0..1; displacement times tau 0, tau 1 of drift, s */
     VELUM_VEC4(drift);   /* weight of drift phase 1, 0..1; fog extinction at the surface 1/m; fog top HAE m; haze
                             extinction 1/m that visibility at the surface adds to clean air (0: none) */
@@ -48,6 +49,8 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(span); /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
     VELUM_VEC4S(shades, VELUM_SHADE_LEVELS); /* velum_shade: mean light of clouds over the eye's place, by height */
     velum_slot_block slots[VELUM_SLOT_COUNT];
+    VELUM_VEC4S(fringes, VELUM_FRINGE_PARTS); /* by part, from VELUM_PART_SCUD on: lowest, highest (HAE m), greatest
+                                                 extinction (1/m) among the tiles of the table; 0 */
 };
 
 #define VELUM_VIEW_BLOCK_CUT 1u

@@ -82,7 +82,8 @@ VELUM_STRUCT(velum_reference_lane) {
     VELUM_VEC4(light);   /* w: sum of what could be chosen */
     VELUM_VEC4(through); /* w: transmittance of cloud */
     VELUM_VEC4(origin);  /* w: distance of cloud */
-    VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); 0, 0 */
+    VELUM_UVEC4(media);  /* chosen, a byte each; weight of cloud (a float); clear of scud, of what falls
+                              (floats) */
     VELUM_VEC4(next_d);  /* w: below which roulette begins */
     VELUM_VEC4(next);    /* weight; bound of air */
     velum_reference_flight flights[VELUM_REFERENCE_FLIGHTS];

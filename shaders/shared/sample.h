@@ -39,11 +39,15 @@ VELUM_FN float velum_detail_mix(float d0, float d1, float w1) {
 
 /* The blend of two weather states: coverage fades; the rest is weighted by it, so that a cloud that only one state has
  * keeps its height. */
-VELUM_FN velum_slot_fields velum_fields_mix(velum_slot_fields a, velum_slot_fields b, float t) {
+VELUM_FN float velum_fields_share(velum_slot_fields a, velum_slot_fields b, float t) {
     float wa = (1.0f - t) * a.coverage;
     float wb = t * b.coverage;
     float sum = wa + wb;
-    float s = sum > 1.0e-9f ? wb / sum : 0.0f;
+    return sum > 1.0e-9f ? wb / sum : 0.0f;
+}
+VELUM_FN velum_slot_fields velum_fields_mix(velum_slot_fields a, velum_slot_fields b, float t) {
+    float sum = (1.0f - t) * a.coverage + t * b.coverage;
+    float s = velum_fields_share(a, b, t);
     velum_slot_fields f;
     f.coverage = sum;
     f.base_m = velum_mix(a.base_m, b.base_m, s);

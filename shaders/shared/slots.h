@@ -15,6 +15,11 @@
 #define VELUM_SLOT_UNIFORM_2 7
 #define VELUM_SLOT_COUNT 8
 
+/* The parts of a slot: its cloud has the slot's own number, scud and what falls these and the slot's number. */
+#define VELUM_PART_SCUD 8
+#define VELUM_PART_FALL 16
+#define VELUM_FRINGE_PARTS 16
+
 /* Place of a genus within its slot, 0..1. */
 #define VELUM_KIND_ST 0.0f
 #define VELUM_KIND_SC 1.0f

@@ -91,7 +91,9 @@ VELUM_FN VELUM_UINT velum_tile_level(float distance_m, float detail) {
 
 /* The page table: open addressing, linear probing, power of two of entries, as words of an array.
  * Word 0 key, 1 level of the data tile that stands for it (an ancestor, where the weather is smooth), 2 mask of slots
- * with cloud, 3 reserved, 4 + slot: page of state A in the low 16 bits, of state B in the high ones. */
+ * with cloud, from bit 8 on of those with a fringe, 3 where the pages of fringes stand, in words from the table's
+ * beginning (0: there are none), 4 + slot: page of state A in the low 16 bits, of state B in the high ones. Pages of
+ * fringes stand behind all entries, a word for each slot. */
 #define VELUM_TABLE_WORDS 12
 #define VELUM_TABLE_PAGES 4
 #define VELUM_PAGE_NONE 0xffffu

@@ -277,8 +277,51 @@ static void thin_cloud(void **state) {
     }
 }
 
+/* From under the base, along rays of 2.5 km through rain, and through scud just under the base. */
+static void rain_and_scud(void **state) {
+    (void)state;
+    for (int scud = 0; scud < 2; scud++) {
+        fixture f;
+        fixture_init(&f, false);
+        velum_layer layer = layer_of(VELUM_GENUS_NS, 0.9f, 1500.0f, 4000.0f, 0.3f, 10.0f);
+        layer.wind_east_m_s = 10.0f;
+        layer.scud = scud ? 0.5f : 0.0f;
+        layer.precipitation_mm_h = scud ? 0.0f : 12.0f;
+        layer.precipitation = scud ? VELUM_PRECIPITATION_NONE : VELUM_PRECIPITATION_RAIN;
+        fixture_commit(&f, &layer, 1);
+        static picture p;
+        static float end_m[PIXELS];
+        const double length_m = 2500.0;
+        for (int i = 0; i < PIXELS; i++) {
+            end_m[i] = (float)length_m;
+        }
+        look(&f, scud ? 1330.0 : 500.0, 0.0, scud ? 0.02f : 0.12f, end_m, &p);
+        double worst = 0.0;
+        double sum = 0.0;
+        double least = 1.0;
+        static double off[PIXELS];
+        for (int i = 0; i < PIXELS; i++) {
+            double unit[3];
+            pixel_direction(&p, i % WIDTH, i / WIDTH, unit);
+            const velum_line_answer a = along(&f, &p, unit, 0.0, length_m);
+            off[i] = fabs(a.transmittance - (double)p.transmittance[3 * i]);
+            sum += a.transmittance - (double)p.transmittance[3 * i];
+            least = fmin(least, a.transmittance);
+            worst = fmax(worst, off[i]);
+        }
+        qsort(off, PIXELS, sizeof *off, ascending);
+        print_message("%s: transmittance from %.3f, bias %+.5f, |difference| median %.5f, 95 %% %.5f, worst %.5f\n",
+                      scud ? "scud" : "rain", least, sum / PIXELS, off[PIXELS / 2], off[PIXELS * 95 / 100], worst);
+        assert_true(least < 0.5);
+        /* Steps of 35 m pass over slivers of scud. */
+        assert_true(fabs(sum / PIXELS) <= (scud ? 0.015 : 0.001));
+        assert_true(off[PIXELS * 95 / 100] <= (scud ? 0.04 : 0.001));
+        fixture_finish(&f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(uniform_layers), cmocka_unit_test(first_contact),
-                                       cmocka_unit_test(thin_cloud)};
+                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(rain_and_scud)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,6 +37,9 @@ void main() {
         for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
             MEMBERS_SLOT(COPY_SLOT_F)
         }
+        for (int part = 0; part < VELUM_FRINGE_PARTS; ++part) {
+            copy(floatBitsToUint(block.fringes[part]));
+        }
 #elif defined BLOCK_VIEW
         MEMBERS_VIEW(COPY_F, COPY_U)
 #else

@@ -29,13 +29,14 @@ typedef struct member {
 #define VIEW(name) {#name, offsetof(velum_view_block, name)},
 #define SHADOW(name) {#name, offsetof(velum_shadow_level_block, name)},
 #define SLOT(name) {#name, offsetof(velum_slot_block, name)},
-static const member eye_members[] = {MEMBERS_EYE(EYE, EYE) EYE(shades) EYE(slots)};
+static const member eye_members[] = {MEMBERS_EYE(EYE, EYE) EYE(shades) EYE(slots) EYE(fringes)};
 static const member view_members[] = {MEMBERS_VIEW(VIEW, VIEW)};
 static const member shadow_members[] = {MEMBERS_SHADOW_LEVEL(SHADOW, SHADOW)};
 static const member slot_members[] = {MEMBERS_SLOT(SLOT)};
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-_Static_assert((COUNT(eye_members) - 2 + VELUM_SHADE_LEVELS) * 16 + VELUM_SLOT_COUNT * sizeof(velum_slot_block) ==
+_Static_assert((COUNT(eye_members) - 3 + VELUM_SHADE_LEVELS + VELUM_FRINGE_PARTS) * 16 +
+                       VELUM_SLOT_COUNT * sizeof(velum_slot_block) ==
                    sizeof(velum_eye_block),
                "block_members.h lacks members of velum_eye_block");
 _Static_assert(COUNT(view_members) * 16 == sizeof(velum_view_block), "block_members.h lacks some of velum_view_block");
@@ -78,6 +79,8 @@ static void read_back(const uint32_t *spirv, size_t spirv_bytes, size_t block_by
             vectors = VELUM_SLOT_COUNT * COUNT(slot_members);
         } else if (strcmp(members[n].name, "shades") == 0) {
             vectors = VELUM_SHADE_LEVELS;
+        } else if (strcmp(members[n].name, "fringes") == 0) {
+            vectors = VELUM_FRINGE_PARTS;
         }
         for (size_t i = 0; i < 4 * vectors; i++, at++) {
             if (got[at] != pattern(members[n].offset / 4 + i)) {
