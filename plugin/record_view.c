@@ -19,11 +19,11 @@
 #define REPEATS_MOST 16
 #define EYE_REACH_M 10000.0
 
-/* Van der Corput's sequence (1935); bases without a common divisor fill the square (Halton 1960). */
-static float radical_inverse(uint32_t base, uint32_t i) {
+/* Van der Corput's sequence in base 2 (1935). */
+static float radical_inverse(uint32_t i) {
     double x = 0.0;
-    for (double digit = 1.0 / base; i > 0; i /= base, digit /= base) {
-        x += (i % base) * digit;
+    for (double digit = 0.5; i > 0; i >>= 1, digit *= 0.5) {
+        x += (i & 1u) ? digit : 0.0;
     }
     return (float)x;
 }
@@ -330,7 +330,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
     memcpy(out->frame, frame, sizeof frame);
-    const uint32_t turn[4] = {x, row, turns == 2, (uint32_t)(65536.0f * radical_inverse(3, round))};
+    const uint32_t turn[4] = {x, row, turns == 2, 0};
     memcpy(out->turn, turn, sizeof turn);
     out->room[0] = (float)v->march_light.extent.width;
     out->room[1] = (float)v->march_light.extent.height;
@@ -340,7 +340,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;
     /* In the middle of the step at first, then through all of it. */
-    out->march[3] = fmodf(0.5f + radical_inverse(2, round), 1.0f);
+    out->march[3] = fmodf(0.5f + radical_inverse(round), 1.0f);
     const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, side.h};
     memcpy(out->steps, steps, sizeof steps);
     fill_study(plan, out);

@@ -27,8 +27,6 @@ const float layer_share = 0.15;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* Share of a ray's opacity that gets light from one place of it, in cloud with noise: finer ones gain nothing. */
-const float lit_part = 0.5;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -106,7 +104,7 @@ void main() {
     uint first_place = lit_first(block);
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
-    float pick = pick_offset(pixel);
+    float pick = pick_offset(offset);
 #endif
     float short_until = 0.0;
     float longest = 1.0e9; /* long step, by the layers last met */
@@ -267,9 +265,9 @@ void main() {
         weighted += alpha * min(at + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
-        float fraction = uniform_layer ? 1.0 / float(VELUM_LIT_PLACES) : lit_part;
-        bool opens = alpha > 0.0 && (places == 0u || (places < uint(VELUM_LIT_PLACES) &&
-                                                      (float(part) != place.w || through < 1.0 - float(places) * fraction)));
+        bool deeper = through < 1.0 - float(places) / float(VELUM_LIT_PLACES);
+        bool fits = places < uint(VELUM_LIT_PLACES) && (deeper || float(part) != place.w);
+        bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
         }
@@ -278,7 +276,12 @@ void main() {
         float share = alpha / max(place.z, 1.0e-20);
         bool takes = alpha > 0.0 && pick < share;
         pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
-        place.xyw = takes ? vec3(at, dt, float(part)) : place.xyw;
+        /* Steps through a uniform layer are one: its light is known over any. */
+        bool joins = alpha > 0.0 && uniform_layer && !opens;
+        float joined_m = start_m + dt - (place.x - offset * place.y);
+        place.xyw = joins   ? vec3(start_m + dt - joined_m * (1.0 - offset), joined_m, place.w)
+                    : takes ? vec3(at, dt, float(part))
+                            : place.xyw;
         weighted += alpha * at;
 #endif
         weight += alpha;

@@ -73,20 +73,21 @@ view_ray ray_of_pixel(ivec2 pixel) {
 }
 
 /* Four numbers that differ between neighbours, in pixels and in blocks of rays. */
-uint dither(ivec2 pixel, int x, int y) {
+uint dither(ivec2 pixel) {
     ivec2 mixed = pixel + (pixel >> 2) + (pixel >> 3);
-    return uint(x * mixed.x + y * mixed.y) & 3u;
+    return uint(mixed.x + 2 * mixed.y) & 3u;
 }
 
 /* Share of its length at which a step is sampled: another for each pixel and each round of frames, in quarters. After
  * four rounds all pixels, of whatever channel, have had the same. */
 float step_offset(ivec2 pixel) {
-    return fract(view.march.w + float(dither(pixel, 1, 2)) * 0.25);
+    return fract(view.march.w + float(dither(pixel)) * 0.25);
 }
 
-/* The same for what is drawn from among a ray's samples. */
-float pick_offset(ivec2 pixel) {
-    return fract(float(view.turn.w) / 65536.0 + float(dither(pixel, 2, 1)) * 0.25);
+/* The same for what is drawn from among a ray's samples: of the offset alone, so that they come round together; an odd
+ * multiple takes dyadic fractions to all of them. */
+float pick_offset(float offset) {
+    return fract(3.0 * offset + 0.125);
 }
 
 /* Distance along the ray to what the host has drawn, or a negative number. */

@@ -80,8 +80,7 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);       /* first step m, growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
-    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; what
-                                is drawn from a ray's samples in this frame, 0..65535 */
+    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; 0 */
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
