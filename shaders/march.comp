@@ -277,7 +277,7 @@ void main() {
         bool takes = alpha > 0.0 && pick < share;
         pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
         /* Steps through a uniform layer are one: its light is known over any. */
-        bool joins = alpha > 0.0 && uniform_layer && !opens;
+        bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         place.xyw = joins   ? vec3(start_m + dt - joined_m * (1.0 - offset), joined_m, place.w)
                     : takes ? vec3(at, dt, float(part))
