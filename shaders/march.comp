@@ -279,10 +279,9 @@ void main() {
         /* Steps through a uniform layer are one: its light is known over any. */
         bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
-        place.xyw = joins   ? vec3(start_m + dt - joined_m * (1.0 - offset), joined_m, place.w)
-                    : takes ? vec3(at, dt, float(part))
-                            : place.xyw;
-        weighted += alpha * at;
+        float joined_at = start_m + dt - joined_m * (1.0 - offset);
+        weighted += joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * at;
+        place.xyw = joins ? vec3(joined_at, joined_m, place.w) : takes ? vec3(at, dt, float(part)) : place.xyw;
 #endif
         weight += alpha;
         through *= step_t;

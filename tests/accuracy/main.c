@@ -17,6 +17,7 @@ static int usage(int status) {
         "velum-accuracy reference [--scene S]... [--minutes N]   adds to what is in the cache, scene by scene, until\n"
         "                  all are good enough; can be stopped at any time\n"
         "velum-accuracy genera DIR   ten genera by three suns from three places, preset high beside the reference\n"
+        "velum-accuracy flight DIR   a strip of pictures from a flight through broken cloud, preset medium\n"
         "velum-accuracy stability [--scene CASE]...\n"
         "  --size WxH      of pictures (160x90)\n"
         "  --pixels        charts by the error of pixels; without it by that of means over 8 x 8, which the noise of\n"
@@ -189,19 +190,19 @@ static void tell_time(void) {
 }
 
 int main(int argc, char **argv) {
-    static const char *const commands[] = {"list", "run", "chart", "stability", "reference", "genera"};
+    static const char *const commands[] = {"list", "run", "chart", "stability", "reference", "genera", "flight"};
     char cache[1024];
     int command = -1, at = 2, status = 1;
     int32_t device = VELUM_DEVICE_AUTO;
     program p = {.reference = {.error = 0.01, .seconds = 60.0, .patience = 4.0, .width = 160, .height = 90}};
     p.reference.cache = default_cache(cache);
-    for (int i = 0; i < 6 && argc > 1; i++) {
+    for (int i = 0; i < 7 && argc > 1; i++) {
         command = strcmp(argv[1], commands[i]) == 0 ? i : command;
     }
     if (command < 0) {
         return usage(argc > 1 && strcmp(argv[1], "--help") == 0 ? 0 : 2);
     }
-    const bool writes = command == 2 || command == 5;
+    const bool writes = command == 2 || command >= 5;
     if (writes && (argc < 3 || argv[at][0] == '-')) {
         return usage(2);
     }
@@ -243,6 +244,7 @@ int main(int argc, char **argv) {
              : command == 2 ? chart_run(&p)
              : command == 3 ? stability_run(&p)
              : command == 5 ? genera_run(&p)
+             : command == 6 ? flight_run(&p)
                             : program_make_references(&p);
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);

@@ -42,6 +42,8 @@ int program_make_references(program *p);
 int chart_run(program *p);
 /* genera.c: ten genera by three suns from three places beside their references; a sheet each and a page. */
 int genera_run(program *p);
+/* flight.c: a strip of pictures from a flight through broken cloud, preset medium. */
+int flight_run(program *p);
 /* tables.c: published figures beside p->results, as ratios to each one's own base. */
 void tables_write(const program *p, FILE *file);
 /* stability.c: 0, or 1 if a bound is broken. */
