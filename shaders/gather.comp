@@ -18,7 +18,7 @@ void main() {
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
     vec4 found = texelFetch(march_light, block, 0);
     float distance_m = texelFetch(march_distance, block, 0).r;
-    uint first = lit_first(block);
+    uint first = lit_first(block, view.march_size.x);
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < uint(found.x); ++i) {
         sum += lit[first + i];

@@ -20,7 +20,7 @@ void main() {
     }
     uint place = lit_list[index];
     vec4 found = lit[place];
-    ivec2 pixel = ray_pixel(lit_block(place));
+    ivec2 pixel = ray_pixel(lit_block(place, view.march_size.x));
     view_ray ray = ray_of_pixel(pixel);
     float offset = step_offset(pixel);
     float at = found.x;

@@ -16,12 +16,12 @@ layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
     uint lit_list[];
 };
 
-uint lit_first(ivec2 block) {
-    return uint(block.y * int(view.march_size.x) + block.x) * uint(VELUM_LIT_PLACES);
+uint lit_first(ivec2 block, uint rays_w) {
+    return (uint(block.y) * rays_w + uint(block.x)) * uint(VELUM_LIT_PLACES);
 }
-ivec2 lit_block(uint place) {
+ivec2 lit_block(uint place, uint rays_w) {
     uint ray = place / uint(VELUM_LIT_PLACES);
-    return ivec2(ray % view.march_size.x, ray / view.march_size.x);
+    return ivec2(ray % rays_w, ray / rays_w);
 }
 
 #endif

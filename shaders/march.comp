@@ -4,11 +4,12 @@
 /* One ray for each block of pixels: transmittance of cloud, its mean distance, and the places of it that get light
  * (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
 #include "air.glsl"
+#include "lit.glsl"
+#define VELUM_NOTHING (lit_layers - 1u)
 #include "view.glsl"
 #include "weather.glsl"
 #include "study.glsl"
 #include "cloud_light.glsl"
-#include "lit.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -101,7 +102,7 @@ void main() {
     uint light_samples = 0u;
     bool is_lit = false;
 #else
-    uint first_place = lit_first(block);
+    uint first_place = lit_first(block, view.march_size.x);
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
     float pick = pick_offset(offset);
