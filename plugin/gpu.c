@@ -128,7 +128,10 @@ void gpu_buffer_finish(gpu *g, gpu_buffer *buffer) {
 }
 
 bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc) {
-    *image = (gpu_image){.format = desc->format, .extent = desc->extent, .layers = desc->layers};
+    *image = (gpu_image){.format = desc->format,
+                         .extent = desc->extent,
+                         .layers = desc->layers,
+                         .is_storage = (desc->usage & VK_IMAGE_USAGE_STORAGE_BIT) != 0};
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                               .imageType = desc->type,
                               .format = desc->format,
@@ -137,7 +140,7 @@ bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc) {
                               .arrayLayers = desc->layers,
                               .samples = VK_SAMPLE_COUNT_1_BIT,
                               .tiling = VK_IMAGE_TILING_OPTIMAL,
-                              .usage = desc->usage,
+                              .usage = desc->usage | (image->is_storage ? VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0u),
                               .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED};
     if (!VK(g, CreateImage(g->device, &info, NULL, &image->image))) {
         image->image = VK_NULL_HANDLE;
@@ -164,6 +167,16 @@ bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc) {
     return true;
 }
 
+bool gpu_image_init_storage(gpu *g, gpu_image *image, VkFormat format, uint32_t width, uint32_t height) {
+    const gpu_image_desc desc = {.format = format,
+                                 .type = VK_IMAGE_TYPE_2D,
+                                 .view_type = VK_IMAGE_VIEW_TYPE_2D,
+                                 .extent = {width, height, 1},
+                                 .layers = 1,
+                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    return gpu_image_init(g, image, &desc);
+}
+
 void gpu_image_finish(gpu *g, gpu_image *image) {
     if (image->view) {
         g->DestroyImageView(g->device, image->view, NULL);
@@ -180,20 +193,26 @@ void gpu_image_make_general(gpu *g, VkCommandBuffer commands, gpu_image *image) 
         return;
     }
     image->general = true;
-    VkImageMemoryBarrier2 barrier = {
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
-        .dstAccessMask = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
-                         VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
-        .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-        .newLayout = VK_IMAGE_LAYOUT_GENERAL,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image->image,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, image->layers}};
+    const VkPipelineStageFlags2 used_by = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT;
+    const VkAccessFlags2 used = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
+                                VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    VkImageMemoryBarrier2 barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                     .dstStageMask = image->is_storage ? VK_PIPELINE_STAGE_2_CLEAR_BIT : used_by,
+                                     .dstAccessMask = image->is_storage ? VK_ACCESS_2_TRANSFER_WRITE_BIT : used,
+                                     .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                     .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                     .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .image = image->image,
+                                     .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, image->layers}};
     VkDependencyInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
     g->CmdPipelineBarrier2(commands, &info);
+    if (image->is_storage) {
+        const VkClearColorValue zero = {.uint32 = {0}};
+        g->CmdClearColorImage(commands, image->image, VK_IMAGE_LAYOUT_GENERAL, &zero, 1, &barrier.subresourceRange);
+        gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, used_by, used);
+    }
 }
 
 void gpu_barrier(gpu *g, VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 from_access,

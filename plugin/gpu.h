@@ -24,6 +24,7 @@
     X(BindImageMemory)                                                                                                 \
     X(CmdBindDescriptorSets)                                                                                           \
     X(CmdBindPipeline)                                                                                                 \
+    X(CmdClearColorImage)                                                                                              \
     X(CmdCopyBuffer)                                                                                                   \
     X(CmdCopyBufferToImage)                                                                                            \
     X(CmdCopyImage)                                                                                                    \
@@ -127,6 +128,7 @@ typedef struct gpu_image {
     VkExtent3D extent;
     uint32_t layers;
     bool general; /* its layout is GENERAL from the first recorded command on */
+    bool is_storage;
     gpu_allocation allocation;
 } gpu_image;
 
@@ -142,9 +144,12 @@ typedef struct gpu_image_desc {
 bool gpu_buffer_init(gpu *g, gpu_buffer *buffer, VkDeviceSize size, VkBufferUsageFlags usage, gpu_memory_kind kind);
 void gpu_buffer_finish(gpu *g, gpu_buffer *buffer);
 bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc);
+/* One 2D layer that shaders write and sample. */
+bool gpu_image_init_storage(gpu *g, gpu_image *image, VkFormat format, uint32_t width, uint32_t height);
 void gpu_image_finish(gpu *g, gpu_image *image);
 
-/* To GENERAL, once, from undefined contents. */
+/* To GENERAL, once. Storage images are all zero then: filters read beyond what shaders have written, and 0 times NaN
+ * is NaN. */
 void gpu_image_make_general(gpu *g, VkCommandBuffer commands, gpu_image *image);
 void gpu_barrier(gpu *g, VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 from_access,
                  VkPipelineStageFlags2 to, VkAccessFlags2 to_access);
