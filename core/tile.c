@@ -343,12 +343,6 @@ static bool has_fringe(const texel *texels) {
 /* What rounding and filtering may add. */
 #define FRINGE_SPARE_M 1.0f
 
-static void widen(velum_span_m *span, float low_m, float high_m) {
-    const bool first = span->low >= span->high;
-    span->low = first ? low_m - FRINGE_SPARE_M : fminf(span->low, low_m - FRINGE_SPARE_M);
-    span->high = first ? high_m + FRINGE_SPARE_M : fmaxf(span->high, high_m + FRINGE_SPARE_M);
-}
-
 /* Bounds hold between texels too: they are of fields that are mixed, not of what is made of each. */
 static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fringe) {
     velum_span_m scud_m = {0};
@@ -364,8 +358,12 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
             velum_fringe g = velum_fringe_of_texel((float)v[0] / 65535.0f, (float)v[1] / 65535.0f,
                                                    (float)v[2] / 65535.0f, (float)v[3] / 65535.0f);
             float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
-            widen(&scud_m, base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud, base_m + VELUM_SCUD_OVER_M);
-            widen(&fall_m, base_m - VELUM_FALL_REACH_M * g.fall, base_m + VELUM_FALL_JOIN_MOST_M);
+            const float scud_low_m = base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud;
+            const float fall_low_m = base_m - VELUM_FALL_REACH_M * g.fall;
+            core_span_widen(&scud_m,
+                            (velum_span_m){scud_low_m - FRINGE_SPARE_M, base_m + VELUM_SCUD_OVER_M + FRINGE_SPARE_M});
+            core_span_widen(
+                &fall_m, (velum_span_m){fall_low_m - FRINGE_SPARE_M, base_m + VELUM_FALL_JOIN_MOST_M + FRINGE_SPARE_M});
             scud = fmaxf(scud, g.scud);
             fall = fmaxf(fall, g.fall);
             kind = fmaxf(kind, g.fall_kind);

@@ -36,6 +36,13 @@ typedef struct core_tile {
     core_tile_slot slot[VELUM_SLOT_COUNT];
 } core_tile;
 
+/* Makes the span hold the other; of itself it may hold nothing (low >= high). */
+static inline void core_span_widen(velum_span_m *span, velum_span_m by) {
+    const bool first = span->low >= span->high;
+    span->low = first || by.low < span->low ? by.low : span->low;
+    span->high = first || by.high > span->high ? by.high : span->high;
+}
+
 /* Lowest of all that the slot has. */
 static inline float core_tile_slot_low_m(const core_tile_slot *slot) {
     float low_m = slot->scud_m.low < slot->scud_m.high && slot->scud_m.low < slot->min_base_m ? slot->scud_m.low

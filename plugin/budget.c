@@ -6,9 +6,7 @@
 #define BUDGET_MOST_MS 10000.0
 #define BUDGET_LEAST_ERROR 0.001
 
-enum { RAY_RATE = 16, DENSEST_RAY_RATE = 1 };
-
-static const char *const preset_names[PRESETS] = {"low", "medium", "high", "ultra"};
+enum { RAY_RATE = PATH_BLOCK * PATH_BLOCK, DENSEST_RAY_RATE = 1 };
 
 static uint32_t preset_of(const eye *y) {
     return (uint32_t)(y->quality - VELUM_QUALITY_LOW);
@@ -42,7 +40,7 @@ void budget_init(eye *y, const velum_eye_desc *d) {
         if (!e->g.has_timestamps) {
             log_write(&e->sink, VELUM_LOG_WARNING, "eye",
                       "budget_ms: the device has no timestamps: no time can be kept, quality %s stays",
-                      preset_names[preset_of(y)]);
+                      plan_preset_name(y->quality));
         }
     }
 }
@@ -63,10 +61,10 @@ static void error_reason(eye *y) {
     const preset_figures *has = &preset_figures_of[preset_of(y)];
     if (has->error <= y->budget_error) {
         plan_reason(y, "\nerror budget %g: %s has %g, the cheapest that meets it%s", (double)y->budget_error,
-                    preset_names[preset_of(y)], (double)has->error, y->budget_ms > 0.0f ? "; not better" : "");
+                    plan_preset_name(y->quality), (double)has->error, y->budget_ms > 0.0f ? "; not better" : "");
     } else {
         plan_reason(y, "\nerror budget %g: none meets it; %s has the least, %g", (double)y->budget_error,
-                    preset_names[preset_of(y)], (double)has->error);
+                    plan_preset_name(y->quality), (double)has->error);
     }
 }
 

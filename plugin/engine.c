@@ -183,6 +183,14 @@ uint64_t engine_weather_bytes(const engine *e) {
     return bytes;
 }
 
+static void take_completed(engine *e, uint64_t serial) {
+    e->completed_serial = serial;
+    for (uint32_t i = 0; i < e->frames_in_flight; i++) {
+        stats_read(e, &e->slots[(e->frames + i) % e->frames_in_flight]); /* the oldest first */
+    }
+    objects_bury(e);
+}
+
 velum_result engine_complete(engine *e, uint64_t completed_serial) {
     checker check = {&e->sink, "engine", "complete", VELUM_OK};
     if (e->state != ENGINE_IDLE || e->inside) {
@@ -194,11 +202,7 @@ velum_result engine_complete(engine *e, uint64_t completed_serial) {
                    (unsigned long long)completed_serial, (unsigned long long)e->completed_serial);
         return check.result;
     }
-    e->completed_serial = completed_serial;
-    for (uint32_t i = 0; i < e->frames_in_flight; i++) {
-        stats_read(e, &e->slots[(e->frames + i) % e->frames_in_flight]); /* the oldest first */
-    }
-    objects_bury(e);
+    take_completed(e, completed_serial);
     return VELUM_OK;
 }
 
@@ -245,11 +249,7 @@ velum_result engine_begin_frame(engine *e, const velum_frame_info *frame) {
                    (unsigned long long)slot->serial);
         return check.result;
     }
-    e->completed_serial = f.completed_serial;
-    for (uint32_t i = 0; i < e->frames_in_flight; i++) {
-        stats_read(e, &e->slots[(e->frames + i) % e->frames_in_flight]); /* the oldest first */
-    }
-    objects_bury(e);
+    take_completed(e, f.completed_serial);
     if (!frame_slot_begin(e, slot)) {
         return gpu_result(&e->g);
     }

@@ -46,7 +46,7 @@ typedef enum pass {
     PASS_LIGHT = PASS_MARCH + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
     PASS_MARCH_STUDY, /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
-    PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* the same */
+    PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* eight */
     PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,
     PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
     PASS_RESOLVE_LAYERED,
@@ -365,6 +365,7 @@ bool scattering_init(engine *e);
 velum_result scattering_record(engine *e, VkCommandBuffer commands);
 
 /* plan.c */
+const char *plan_preset_name(int32_t quality);
 void plan_make(const engine *e, eye *y);
 void plan_reason(eye *y, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Whether it asks for what the ordinary pipelines do not do. */

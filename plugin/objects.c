@@ -6,20 +6,6 @@
 #include "budget.h"
 #include "handle.h"
 
-static VkExtent3D extent_2d(uint32_t width, uint32_t height) {
-    return (VkExtent3D){width, height, 1};
-}
-
-static bool init_storage_2d(gpu *g, gpu_image *image, VkFormat format, uint32_t width, uint32_t height) {
-    const gpu_image_desc desc = {.format = format,
-                                 .type = VK_IMAGE_TYPE_2D,
-                                 .view_type = VK_IMAGE_VIEW_TYPE_2D,
-                                 .extent = extent_2d(width, height),
-                                 .layers = 1,
-                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    return gpu_image_init(g, image, &desc);
-}
-
 static void free_eye(eye *y) {
     engine *e = y->e;
     tiles_finish(&y->tiles, &e->tables);
@@ -28,9 +14,7 @@ static void free_eye(eye *y) {
 }
 
 static void free_view(engine *e, view *v) {
-    gpu *g = &e->g;
-    view_images_finish(g, v);
-    reference_finish(g, v);
+    view_images_finish(&e->g, v);
     free(v);
 }
 
@@ -110,7 +94,7 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
     y->has_study = has_study;
     y->quality = d.quality == VELUM_QUALITY_DEFAULT ? VELUM_QUALITY_MEDIUM : d.quality;
     budget_init(y, &d);
-    if (!init_storage_2d(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_W, VELUM_SKY_H)) {
+    if (!gpu_image_init_storage(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_W, VELUM_SKY_H)) {
         free_eye(y);
         return gpu_result(&e->g);
     }
@@ -232,7 +216,7 @@ velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shado
     gpu_image_desc image = {.format = VK_FORMAT_R16_SFLOAT,
                             .type = VK_IMAGE_TYPE_2D,
                             .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
-                            .extent = extent_2d(s->texels, s->texels),
+                            .extent = {s->texels, s->texels, 1},
                             .layers = s->levels,
                             .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
                                      VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};

@@ -20,6 +20,10 @@ static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f}};
 
+const char *plan_preset_name(int32_t quality) {
+    return presets[quality].name;
+}
+
 /* Lengths and counts between two presets; 0: low, 3: ultra. */
 static preset preset_between(float place) {
     uint32_t below = (uint32_t)fminf(place, 2.0f);

@@ -128,21 +128,15 @@ static bool find_tiles(const tiles_context *c, uint32_t key, bool rasterise, cor
     return true;
 }
 
-static void widen(velum_span_m *span, const velum_span_m *by) {
-    bool first = span->low >= span->high;
-    span->low = first ? by->low : fminf(span->low, by->low);
-    span->high = first ? by->high : fmaxf(span->high, by->high);
-}
-
 static void note_fringe(tiles *t, uint32_t slot, const core_tile_slot *fields) {
     if (fields->scud_m.low < fields->scud_m.high) {
         t->fringes |= 1u << (VELUM_PART_SCUD + slot);
-        widen(&t->scud_m[slot], &fields->scud_m);
+        core_span_widen(&t->scud_m[slot], fields->scud_m);
         t->most_scud_1_m[slot] = fmaxf(t->most_scud_1_m[slot], fields->max_scud_1_m);
     }
     if (fields->fall_m.low < fields->fall_m.high) {
         t->fringes |= 1u << (VELUM_PART_FALL + slot);
-        widen(&t->fall_m[slot], &fields->fall_m);
+        core_span_widen(&t->fall_m[slot], fields->fall_m);
         t->most_fall_1_m[slot] = fmaxf(t->most_fall_1_m[slot], fields->max_fall_1_m);
     }
 }

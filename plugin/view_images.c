@@ -3,16 +3,6 @@
 
 #include "engine.h"
 
-static bool init_storage(gpu *g, gpu_image *image, VkFormat format, uint32_t width, uint32_t height) {
-    const gpu_image_desc desc = {.format = format,
-                                 .type = VK_IMAGE_TYPE_2D,
-                                 .view_type = VK_IMAGE_VIEW_TYPE_2D,
-                                 .extent = {width, height, 1},
-                                 .layers = 1,
-                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    return gpu_image_init(g, image, &desc);
-}
-
 static VkDeviceSize list_at(uint32_t rays_w, uint32_t rays_h) {
     const VkDeviceSize step = 256; /* storage buffers' offsets are multiples of at most this (Vulkan 1.3, limits) */
     const VkDeviceSize bytes =
@@ -24,8 +14,12 @@ VkDeviceSize view_images_list_at(const view *v) {
     return list_at(v->march_light.extent.width, v->march_light.extent.height);
 }
 
+static VkDeviceSize rays_bytes(const view *v) {
+    return v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+}
+
 static void finish_rays(gpu *g, view *v) {
-    v->bytes -= v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+    v->bytes -= rays_bytes(v);
     gpu_image_finish(g, &v->march_light);
     gpu_image_finish(g, &v->march_distance);
     gpu_buffer_finish(g, &v->lit);
@@ -35,10 +29,10 @@ static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * VELUM_LIT_PLACES * sizeof(uint32_t);
-    bool ok = init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
-              init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
+    bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
+              gpu_image_init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
               gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE);
-    v->bytes += v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+    v->bytes += rays_bytes(v);
     return ok;
 }
 
@@ -50,14 +44,15 @@ bool view_images_init(view *v) {
     /* Rays of one in 16 pixels; a plan that asks for more makes these grow. */
     bool ok = init_rays(g, v, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
     for (uint32_t i = 0; ok && i < 2; i++) {
-        ok = init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
-             init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
+        ok = gpu_image_init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
+             gpu_image_init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
         v->bytes += v->history[i].allocation.size + v->history_data[i].allocation.size;
     }
     return ok;
 }
 
 void view_images_finish(gpu *g, view *v) {
+    reference_finish(g, v);
     finish_rays(g, v);
     for (uint32_t i = 0; i < 2; i++) {
         gpu_image_finish(g, &v->history[i]);
@@ -82,8 +77,7 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
                     .lit = v->lit,
                     .last_serial = v->last_serial,
                     .next = e->dead_views};
-    v->bytes +=
-        grown.bytes - v->march_light.allocation.size - v->march_distance.allocation.size - v->lit.allocation.size;
+    v->bytes += grown.bytes - rays_bytes(v);
     e->dead_views = grave;
     v->march_light = grown.march_light;
     v->march_distance = grown.march_distance;

@@ -51,9 +51,9 @@ float reach_bounds(float h, float rise, float low, float high) {
 void main() {
     /* Eight neighbours in a row of invocations stand 4 x 2 in the picture: they go the same way more often. */
     uint lane = gl_LocalInvocationIndex & 7u;
-    uint part = gl_LocalInvocationIndex >> 3u;
+    uint row = gl_LocalInvocationIndex >> 3u;
     ivec2 block = dealt_group() * VELUM_GROUP +
-                  ivec2((part & 1u) * 4u + (lane & 3u), (part >> 1u) * 2u + (lane >> 2u));
+                  ivec2((row & 1u) * 4u + (lane & 3u), (row >> 1u) * 2u + (lane >> 2u));
     if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
         return;
     }
@@ -93,8 +93,6 @@ void main() {
     uint done = 0u;        /* slots already looked at in this step */
     float advance = 1.0e9; /* from the sample on, how far nothing can begin */
     bool alive = position < end && eye.table.z != 0u;
-    /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
-     * within a few mean free paths. */
 #ifdef VELUM_STUDY
     ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
     vec3 light = vec3(0.0);
@@ -107,6 +105,8 @@ void main() {
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
     float pick = pick_offset(offset);
 #endif
+    /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
+     * within a few mean free paths. */
     float short_until = 0.0;
     float longest = 1.0e9; /* long step, by the layers last met */
     float allowed = 1.0e9; /* by those that this step meets */
@@ -120,7 +120,6 @@ void main() {
 
     while (alive) {
         cloud_hit hit;
-        hit.extinction_1_m = 0.0;
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
@@ -156,14 +155,14 @@ void main() {
             vec4 bounds = FRINGED(part_bounds(candidate), eye.slots[candidate].bounds);
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
-            bool here = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
+            bool present = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
             float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
-            clear_tile = clear_tile || (!outside && !here);
+            clear_tile = clear_tile || (!outside && !present);
             advance = min(advance, away);
 #ifdef VELUM_FRINGED
             room = candidate < VELUM_PART_FALL ? min(room, outside ? away : 0.0) : room;
 #endif
-            bool fresh = !outside && here && (done & bit) == 0u;
+            bool fresh = !outside && present && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
         }
         /* Of two uniform layers in one step the nearer comes first; they come last. */

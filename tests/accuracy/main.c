@@ -189,20 +189,22 @@ static void tell_time(void) {
     }
 }
 
+enum { LIST, RUN, CHART, STABILITY, REFERENCE, GENERA, FLIGHT, COMMANDS };
+static const char *const commands[COMMANDS] = {"list", "run", "chart", "stability", "reference", "genera", "flight"};
+
 int main(int argc, char **argv) {
-    static const char *const commands[] = {"list", "run", "chart", "stability", "reference", "genera", "flight"};
     char cache[1024];
     int command = -1, at = 2, status = 1;
     int32_t device = VELUM_DEVICE_AUTO;
     program p = {.reference = {.error = 0.01, .seconds = 60.0, .patience = 4.0, .width = 160, .height = 90}};
     p.reference.cache = default_cache(cache);
-    for (int i = 0; i < 7 && argc > 1; i++) {
+    for (int i = 0; i < COMMANDS && argc > 1; i++) {
         command = strcmp(argv[1], commands[i]) == 0 ? i : command;
     }
     if (command < 0) {
         return usage(argc > 1 && strcmp(argv[1], "--help") == 0 ? 0 : 2);
     }
-    const bool writes = command == 2 || command >= 5;
+    const bool writes = command == CHART || command == GENERA || command == FLIGHT;
     if (writes && (argc < 3 || argv[at][0] == '-')) {
         return usage(2);
     }
@@ -217,18 +219,18 @@ int main(int argc, char **argv) {
         } else if (strcmp(argv[at], "--cached") == 0) {
             p.reference.cached = true;
             at++;
-        } else if (at + 1 < argc && parse_option(&p, argv[at], argv[at + 1], command == 3, &device)) {
+        } else if (at + 1 < argc && parse_option(&p, argv[at], argv[at + 1], command == STABILITY, &device)) {
             at += 2;
         } else {
             return at + 1 < argc ? 2 : usage(2);
         }
     }
-    if (command == 0) {
+    if (command == LIST) {
         list();
         return 0;
     }
     struct files_folder folder = {.made = 0};
-    bool keeps = command != 3;
+    bool keeps = command != STABILITY;
     if (keeps && !files_prepare_folder(p.reference.cache, &folder)) {
         return 1;
     }
@@ -236,16 +238,16 @@ int main(int argc, char **argv) {
         files_remove_empty(&folder);
         return 1;
     }
-    if (command >= 4) {
+    if (command == REFERENCE || command == GENERA || command == FLIGHT) {
         signal(SIGINT, reference_stop);
         signal(SIGTERM, reference_stop);
     }
-    status = command == 1   ? run_all(&p)
-             : command == 2 ? chart_run(&p)
-             : command == 3 ? stability_run(&p)
-             : command == 5 ? genera_run(&p)
-             : command == 6 ? flight_run(&p)
-                            : program_make_references(&p);
+    status = command == RUN         ? run_all(&p)
+             : command == CHART     ? chart_run(&p)
+             : command == STABILITY ? stability_run(&p)
+             : command == GENERA    ? genera_run(&p)
+             : command == FLIGHT    ? flight_run(&p)
+                                    : program_make_references(&p);
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);
     }

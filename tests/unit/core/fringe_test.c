@@ -5,19 +5,12 @@
 #include <string.h>
 
 #include "core/geodesy.h"
-#include "core/noise.h"
-#include "core/oracle.h"
-#include "core/tile_cache.h"
 
 typedef struct fixture {
     core_noise *noise;
     core_tile_cache *cache;
     core_state *dry, *wet, *virga;
 } fixture;
-
-static core_tile *cached_tile(void *context, const core_state *state, uint32_t key) {
-    return core_tile_cache_get(context, state, key);
-}
 
 static velum_layer wet_layer(int32_t genus, float coverage, float base_m, float top_m, float rate_mm_h, float scud) {
     velum_layer layer = layer_of(genus, coverage, base_m, top_m);
@@ -28,19 +21,13 @@ static velum_layer wet_layer(int32_t genus, float coverage, float base_m, float 
     return layer;
 }
 
-static core_state *state_with(velum_layer layer, uint64_t id) {
-    const velum_cell cell = cell_of(VELUM_CELL_GLOBAL, 1, &layer, 1);
-    const velum_state_desc desc = desc_of(&cell, 1);
-    return state_of(&desc, NULL, id);
-}
-
 static int set_up(void **state) {
     static fixture f;
     f.noise = core_noise_create();
     f.cache = core_tile_cache_create(0);
-    f.dry = state_with(wet_layer(VELUM_GENUS_NS, 0.9f, 1500.0f, 4500.0f, 0.0f, 0.0f), 1);
-    f.wet = state_with(wet_layer(VELUM_GENUS_NS, 0.9f, 1500.0f, 4500.0f, 8.0f, 0.7f), 2);
-    f.virga = state_with(wet_layer(VELUM_GENUS_AS, 1.0f, 3400.0f, 5000.0f, 0.1f, 0.0f), 3);
+    f.dry = state_of_layer(wet_layer(VELUM_GENUS_NS, 0.9f, 1500.0f, 4500.0f, 0.0f, 0.0f), 1);
+    f.wet = state_of_layer(wet_layer(VELUM_GENUS_NS, 0.9f, 1500.0f, 4500.0f, 8.0f, 0.7f), 2);
+    f.virga = state_of_layer(wet_layer(VELUM_GENUS_AS, 1.0f, 3400.0f, 5000.0f, 0.1f, 0.0f), 3);
     *state = &f;
     return f.noise && f.cache ? 0 : -1;
 }
@@ -56,12 +43,7 @@ static int tear_down(void **state) {
 }
 
 static core_oracle oracle_of(const fixture *f, const core_state *a, const core_state *b, double time_s) {
-    return (core_oracle){.noise = f->noise,
-                         .state = {a, b},
-                         .drift = core_drift_at(time_s, 7),
-                         .detail = 1.0f,
-                         .tile = cached_tile,
-                         .tile_context = f->cache};
+    return oracle_over(f->noise, f->cache, a, b, time_s);
 }
 
 static float extinction_at(const core_oracle *oracle, double lat_deg, double lon_deg, double height_m) {

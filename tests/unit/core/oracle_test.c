@@ -5,9 +5,6 @@
 #include <string.h>
 
 #include "core/geodesy.h"
-#include "core/noise.h"
-#include "core/oracle.h"
-#include "core/tile_cache.h"
 #include "shared/hash.h"
 #include "shared/sample.h"
 
@@ -17,29 +14,19 @@ typedef struct fixture {
     core_state *cumulus, *windy, *slab;
 } fixture;
 
-static core_tile *cached_tile(void *context, const core_state *state, uint32_t key) {
-    return core_tile_cache_get(context, state, key);
-}
-
-static core_state *state_with(velum_layer layer, uint64_t id) {
-    const velum_cell cell = cell_of(VELUM_CELL_GLOBAL, 1, &layer, 1);
-    const velum_state_desc desc = desc_of(&cell, 1);
-    return state_of(&desc, NULL, id);
-}
-
 static int set_up(void **state) {
     static fixture f;
     f.noise = core_noise_create();
     f.cache = core_tile_cache_create(0);
     velum_layer layer = layer_of(VELUM_GENUS_CU, 0.5f, 1000.0f, 2400.0f);
-    f.cumulus = state_with(layer, 1);
+    f.cumulus = state_of_layer(layer, 1);
     layer.wind_east_m_s = 12.0f;
     layer.wind_north_m_s = -5.0f;
-    f.windy = state_with(layer, 2);
+    f.windy = state_of_layer(layer, 2);
     layer = layer_of(VELUM_GENUS_ST, 1.0f, 500.0f, 900.0f);
     layer.flags = VELUM_LAYER_UNIFORM | VELUM_LAYER_EXTINCTION;
     layer.extinction_1_m = 0.01f;
-    f.slab = state_with(layer, 3);
+    f.slab = state_of_layer(layer, 3);
     *state = &f;
     return f.noise && f.cache ? 0 : -1;
 }
@@ -55,12 +42,7 @@ static int tear_down(void **state) {
 }
 
 static core_oracle oracle_of(const fixture *f, const core_state *a, const core_state *b, double time_s) {
-    return (core_oracle){.noise = f->noise,
-                         .state = {a, b},
-                         .drift = core_drift_at(time_s, 7),
-                         .detail = 1.0f,
-                         .tile = cached_tile,
-                         .tile_context = f->cache};
+    return oracle_over(f->noise, f->cache, a, b, time_s);
 }
 
 static void point_at(double lat_deg, double lon_deg, double height_m, double ecef_m[3]) {

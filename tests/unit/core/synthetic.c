@@ -28,6 +28,26 @@ core_state *state_of(const velum_state_desc *desc, const core_state *base, uint6
     return state;
 }
 
+core_state *state_of_layer(velum_layer layer, uint64_t id) {
+    const velum_cell cell = cell_of(VELUM_CELL_GLOBAL, 1, &layer, 1);
+    const velum_state_desc desc = desc_of(&cell, 1);
+    return state_of(&desc, NULL, id);
+}
+
+static core_tile *cached_tile(void *context, const core_state *state, uint32_t key) {
+    return core_tile_cache_get(context, state, key);
+}
+
+core_oracle oracle_over(const core_noise *noise, core_tile_cache *cache, const core_state *a, const core_state *b,
+                        double time_s) {
+    return (core_oracle){.noise = noise,
+                         .state = {a, b},
+                         .drift = core_drift_at(time_s, 7),
+                         .detail = 1.0f,
+                         .tile = cached_tile,
+                         .tile_context = cache};
+}
+
 #define COLUMNS 144u
 #define ROWS 73u
 

@@ -9,7 +9,10 @@
 
 #include <cmocka.h>
 
+#include "core/noise.h"
+#include "core/oracle.h"
 #include "core/state.h"
+#include "core/tile_cache.h"
 
 static inline velum_layer layer_of(int32_t genus, float coverage, float base_m, float top_m) {
     return (velum_layer){.struct_size = sizeof(velum_layer),
@@ -36,6 +39,11 @@ static inline velum_state_desc desc_of(const velum_cell *cells, uint32_t count) 
 
 /* The state, which must be accepted. */
 core_state *state_of(const velum_state_desc *desc, const core_state *base, uint64_t id);
+/* This layer over the whole planet. */
+core_state *state_of_layer(velum_layer layer, uint64_t id);
+/* The state from a to b, with all its detail and tiles from the cache. */
+core_oracle oracle_over(const core_noise *noise, core_tile_cache *cache, const core_state *a, const core_state *b,
+                        double time_s);
 
 /* A grid of 144 x 73 nodes (2.5 degrees) and stations as dense as the real ones, from a fixed generator. */
 typedef struct synthetic_world {
