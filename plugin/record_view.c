@@ -361,7 +361,7 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_MARCH_LIGHT_IN] = {p->linear, v->march_light.view, general},
         [VELUM_BIND_MARCH_DISTANCE_IN] = {p->nearest, v->march_distance.view, general},
         [VELUM_BIND_HISTORY_IN] = {p->linear, v->history[old].view, general},
-        [VELUM_BIND_HISTORY_DATA_IN] = {p->nearest, v->history_data[old].view, general},
+        [VELUM_BIND_HISTORY_DATA_IN] = {p->linear, v->history_data[old].view, general},
         [VELUM_BIND_HISTORY_OUT] = {VK_NULL_HANDLE, v->history[old ^ 1u].view, general},
         [VELUM_BIND_HISTORY_DATA_OUT] = {VK_NULL_HANDLE, v->history_data[old ^ 1u].view, general},
         [VELUM_BIND_OUT_LUMINANCE] = {VK_NULL_HANDLE, images->luminance, general},

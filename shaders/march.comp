@@ -25,6 +25,9 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+/* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as
+ * large in the picture as it is near. */
+const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
@@ -124,7 +127,9 @@ void main() {
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
         float hurry = 1.0 + 4.0 * spent * spent * spent;
-        float long_dt = max(dt_min, min(position * growth, longest)) * hurry;
+        float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
+                                 min(dt_min, at_eye_m + wider * position));
+        float long_dt = max(first_dt, min(position * growth, longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 2.2 * fall_stride * long_dt;
