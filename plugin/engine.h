@@ -37,6 +37,8 @@ typedef struct shadow shadow;
 /* Variants of a pass, added to its first: two weather states, or two lives of the noise; closed sheets and uniform
  * layers; layers with scud or precipitation. */
 enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
+/* Those of PASS_RESOLVE: the host draws no ground; has given its depth; gives arrays of pictures; the picture moves. */
+enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_RESOLVE_VARIANTS = 16 };
 
 typedef enum pass {
     PASS_AIR,
@@ -47,11 +49,9 @@ typedef enum pass {
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
     PASS_MARCH_STUDY, /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
     PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* eight */
-    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,
-    PASS_RESOLVE_GROUND, /* draws the ground, where the host does not */
-    PASS_RESOLVE_LAYERED,
-    PASS_RESOLVE_LAYERED_GROUND,
-    PASS_REFERENCE, /* of everything; from here on made with the first eye that wants them */
+    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* sixteen */
+    /* Of everything; from here on made with the first eye that wants them. */
+    PASS_REFERENCE = PASS_RESOLVE + PASS_RESOLVE_VARIANTS,
     PASS_REFERENCE_FRINGED,
     PASS_REFERENCE_RESOLVE,
     PASS_REFERENCE_RESOLVE_LAYERED,

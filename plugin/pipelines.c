@@ -125,6 +125,14 @@ static bool create_sampler(gpu *g, VkFilter filter, VkSamplerAddressMode address
     return VK(g, CreateSampler(g->device, &info, NULL, out));
 }
 
+static bool is_of(pass which, pass first) {
+    return which >= first && which < first + PASS_VARIANTS;
+}
+
+static bool is_resolve(pass which) {
+    return which >= PASS_RESOLVE && which < PASS_REFERENCE;
+}
+
 VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     if (which >= PASS_MARCH && which < PASS_SHADOW) {
         return p->layout_view;
@@ -132,11 +140,10 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
     if (which >= PASS_SHADOW && which < PASS_RESOLVE) {
         return p->layout_shadow;
     }
+    if (is_resolve(which)) {
+        return p->layout_view;
+    }
     switch (which) {
-    case PASS_RESOLVE:
-    case PASS_RESOLVE_GROUND:
-    case PASS_RESOLVE_LAYERED:
-    case PASS_RESOLVE_LAYERED_GROUND: return p->layout_view;
     case PASS_REFERENCE:
     case PASS_REFERENCE_FRINGED:
     case PASS_REFERENCE_RESOLVE:
@@ -150,17 +157,13 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
     return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 8 : VELUM_REFERENCE_GROUP;
 }
 
-/* Constants of shaders: 0 of weather.glsl and resolve.comp; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl. */
+/* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
+ * cloud_light.glsl; 5 to 7 of resolve.comp. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes;
+    VkBool32 air, closes, ground, depth, moves;
 } variant;
-
-static bool is_of(pass which, pass first) {
-    return which >= first && which < first + PASS_VARIANTS;
-}
 
 /* The first of its variants. */
 static pass family_of(pass which) {
@@ -168,6 +171,7 @@ static pass family_of(pass which) {
            : is_of(which, PASS_LIGHT)       ? PASS_LIGHT
            : is_of(which, PASS_MARCH_STUDY) ? PASS_MARCH_STUDY
            : is_of(which, PASS_SHADOW)      ? PASS_SHADOW
+           : is_resolve(which)              ? PASS_RESOLVE
                                             : which;
 }
 
@@ -193,21 +197,20 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
         [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
         [PASS_SHADOW + PASS_FRINGED] = {velum_shadow_fringed_spv, sizeof velum_shadow_fringed_spv},
         [PASS_RESOLVE] = {velum_resolve_spv, sizeof velum_resolve_spv},
-        [PASS_RESOLVE_GROUND] = {velum_resolve_spv, sizeof velum_resolve_spv},
-        [PASS_RESOLVE_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
-        [PASS_RESOLVE_LAYERED_GROUND] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
+        [PASS_RESOLVE + PASS_LAYERED] = {velum_resolve_layered_spv, sizeof velum_resolve_layered_spv},
         [PASS_REFERENCE] = {velum_reference_spv, sizeof velum_reference_spv},
         [PASS_REFERENCE_FRINGED] = {velum_reference_fringed_spv, sizeof velum_reference_fringed_spv},
         [PASS_REFERENCE_RESOLVE] = {velum_reference_resolve_spv, sizeof velum_reference_resolve_spv},
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[5] = {{0, offsetof(variant, more), sizeof values->more},
-                                                 {1, offsetof(variant, lanes), sizeof values->lanes},
-                                                 {2, offsetof(variant, slots), sizeof values->slots},
-                                                 {3, offsetof(variant, air), sizeof values->air},
-                                                 {4, offsetof(variant, closes), sizeof values->closes}};
-    const VkSpecializationInfo constants = {5, entries, sizeof *values, values};
+    const VkSpecializationMapEntry entries[8] = {
+        {0, offsetof(variant, more), sizeof values->more},     {1, offsetof(variant, lanes), sizeof values->lanes},
+        {2, offsetof(variant, slots), sizeof values->slots},   {3, offsetof(variant, air), sizeof values->air},
+        {4, offsetof(variant, closes), sizeof values->closes}, {5, offsetof(variant, ground), sizeof values->ground},
+        {6, offsetof(variant, depth), sizeof values->depth},   {7, offsetof(variant, moves), sizeof values->moves}};
+    const VkSpecializationInfo constants = {8, entries, sizeof *values, values};
+    _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                             .codeSize = shaders[code].bytes,
@@ -230,17 +233,21 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
 
 static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     const uint32_t kind = variant_of(which);
-    const variant values = {.more = kind & PASS_MIXED || which == PASS_RESOLVE_GROUND ||
-                                    which == PASS_RESOLVE_LAYERED_GROUND,
+    const bool resolves = is_resolve(which);
+    const variant values = {.more = !resolves && kind & PASS_MIXED,
                             .lanes = pipelines_reference_lanes(g),
-                            .closes = kind & PASS_CLOSED || family_of(which) == PASS_MARCH_STUDY};
+                            .closes = !resolves && (kind & PASS_CLOSED || is_of(which, PASS_MARCH_STUDY)),
+                            .ground = resolves && kind & PASS_GROUND,
+                            .depth = resolves && kind & PASS_DEPTH,
+                            .moves = resolves && kind & PASS_MOVES};
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
 /* Those that a frame makes when it first needs them. */
 static bool is_later(pass which) {
     bool closed = (variant_of(which) & PASS_CLOSED) != 0;
-    return variant_of(which) & PASS_FRINGED || is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && closed);
+    return !is_resolve(which) && (variant_of(which) & PASS_FRINGED || is_of(which, PASS_MARCH_STUDY) ||
+                                  (is_of(which, PASS_SHADOW) && closed));
 }
 
 bool pipelines_want(pipelines *p, gpu *g, pass which) {

@@ -499,9 +499,10 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    bool ground = (block->frame[1] & VELUM_VIEW_BLOCK_GROUND) != 0;
-    pass resolve = layered ? (ground ? PASS_RESOLVE_LAYERED_GROUND : PASS_RESOLVE_LAYERED)
-                           : (ground ? PASS_RESOLVE_GROUND : PASS_RESOLVE);
+    const uint32_t flags = block->frame[1];
+    const pass resolve = (pass)(PASS_RESOLVE + (flags & VELUM_VIEW_BLOCK_GROUND ? PASS_GROUND : 0) +
+                                (flags & VELUM_VIEW_BLOCK_DEPTH ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
+                                (block->scale[3] != 0.0f ? PASS_MOVES : 0));
     record_march(v, commands, block);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);

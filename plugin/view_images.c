@@ -45,7 +45,7 @@ bool view_images_init(view *v) {
     bool ok = init_rays(g, v, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
     for (uint32_t i = 0; ok && i < 2; i++) {
         ok = gpu_image_init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
-             gpu_image_init_storage(g, &v->history_data[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height);
+             gpu_image_init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
         v->bytes += v->history[i].allocation.size + v->history_data[i].allocation.size;
     }
     return ok;

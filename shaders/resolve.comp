@@ -30,33 +30,92 @@ layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE d
 const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away. */
 const float nothing_m = 60000.0;
+/* Distances of one thing, as rays of one pixel find them. */
+const float alike_ratio = 1.7;
+/* Below it a pixel is as good as clear. */
+const float least_opacity = 0.005;
 /* Pixels that history has moved since the frame before: all is believed of it, nothing beyond what this frame saw. */
 const float trusted = 0.15, doubted = 1.0;
+/* Of the eye in a frame: on such a way cloud around it shows. */
+const float travel_m = 2.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
 
+/* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
+ * none; nor on where history has moved to where all stands. */
+layout(constant_id = 5) const bool draws_ground = true;
+layout(constant_id = 6) const bool has_depth = true;
+layout(constant_id = 7) const bool moves = true;
+
 struct cloud_pixel {
-    vec4 light;       /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
+    vec4 light; /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
     float distance_m; /* 0: none */
     float samples;
 };
 
-/* Where the cloud point r stood in the picture of the frame before, 0..1; outside: false. */
-bool place_before(vec3 r, out vec2 uv) {
-    vec3 q = r - view.drifted.xyz - view.before_offset.xyz;
-    float x = dot(q, view.before_right.xyz);
-    float y = dot(q, view.before_up.xyz);
-    if (!view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC)) {
-        float z = dot(q, view.before_forward.xyz);
-        if (z <= 0.0) {
-            return false;
-        }
-        x /= z;
-        y /= z;
-    }
-    uv.x = (x - view.before_right.w) / (view.before_up.w - view.before_right.w);
-    uv.y = (y - view.before_offset.w) / (view.before_forward.w - view.before_offset.w);
-    return all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
+/* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times
+ * distance / distance_unit_m, and samples: filters may mix them, as they do light. */
+struct history_place {
+    vec2 pixel; /* of that frame, from its upper left corner */
+    float samples;
+    float distance_m; /* how far along the ray what is held there would be; 0: nothing is */
+    float held_m; /* the same; nothing_m: as good as nothing is */
+    bool known; /* within that picture */
+};
+
+float distance_in(float product, float opacity) {
+    return opacity > 0.0 ? product / opacity : 0.0;
+}
+
+history_place history_at(view_ray ray, float distance_m) {
+    history_place p;
+    vec3 q = ray.origin + ray.direction * distance_m - view.drifted.xyz - view.before_offset.xyz;
+    vec2 plane = vec2(dot(q, view.before_right.xyz), dot(q, view.before_up.xyz));
+    float depth_m = dot(q, view.before_forward.xyz);
+    float away_m = view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? depth_m : length(q);
+    plane /= view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 1.0 : depth_m;
+    vec2 corner = vec2(view.before_right.w, view.before_offset.w);
+    vec2 size = vec2(view.size.xy);
+    p.pixel = size * (plane - corner) / (vec2(view.before_up.w, view.before_forward.w) - corner);
+    p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
+    p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
+    vec2 at = p.pixel / view.room.zw;
+    vec2 data = textureLod(history_data_in, at, 0.0).rg;
+    float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
+    /* From where the eye is now. */
+    p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
+    p.held_m = opacity > least_opacity && p.distance_m > 0.0 ? min(p.distance_m, nothing_m) : nothing_m;
+    p.samples = data.y;
+    return p;
+}
+
+bool alike(float a_m, float b_m) {
+    return a_m < alike_ratio * b_m && b_m < alike_ratio * a_m;
+}
+
+/* History between its pixels, by Catmull and Rom's spline (1974), whose corners are left out: five samples that a filter
+ * mixes (Jimenez 2016). A filter alone would blur it more with each frame. */
+vec4 history_light(vec2 pixel, vec2 size) {
+    vec2 centre = floor(pixel - 0.5) + 0.5;
+    vec2 f = pixel - centre;
+    vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f));
+    vec2 w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
+    vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f));
+    vec2 w3 = f * f * (-0.5 + 0.5 * f);
+    vec2 w12 = w1 + w2;
+    vec2 mid = clamp(centre + w2 / w12, vec2(0.5), size - 0.5) / view.room.zw;
+    vec2 low = clamp(centre - 1.0, vec2(0.5), size - 0.5) / view.room.zw;
+    vec2 high = clamp(centre + 2.0, vec2(0.5), size - 0.5) / view.room.zw;
+    vec4 middle = textureLod(history_in, mid, 0.0);
+    vec4 left = textureLod(history_in, vec2(low.x, mid.y), 0.0);
+    vec4 right = textureLod(history_in, vec2(high.x, mid.y), 0.0);
+    vec4 over = textureLod(history_in, vec2(mid.x, low.y), 0.0);
+    vec4 under = textureLod(history_in, vec2(mid.x, high.y), 0.0);
+    vec4 sum = w12.y * (w12.x * middle + w0.x * left + w3.x * right) + w12.x * (w0.y * over + w3.y * under);
+    float weight = w12.y * (w12.x + w0.x + w3.x) + w12.x * (w0.y + w3.y);
+    /* The spline swings beyond what it joins, and would more with each frame. */
+    return clamp(sum / weight, min(middle, min(min(left, right), min(over, under))),
+                 max(middle, max(max(left, right), max(over, under))));
 }
 
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
@@ -78,67 +137,109 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     if (view.march_size.w == 0u) {
         return fresh;
     }
-    bool still = view.scale.w == 0.0;
     vec2 size = vec2(view.size.xy);
-    vec2 uv = (vec2(pixel) + 0.5) / size;
-    if (!still) {
-        float far = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m;
-        if (!place_before(ray.origin + ray.direction * far, uv)) {
-            return fresh;
+    history_place place;
+    place.pixel = vec2(pixel) + 0.5;
+    place.known = true;
+    vec4 low = fresh.light;
+    vec4 high = fresh.light;
+    if (moves) {
+        /* What this frame saw around the pixel. */
+        float near_m = nothing_m;
+        float far_m = 0.0;
+        float blend = 0.0;
+        for (int k = own ? 4 : 0; k < 4; ++k) {
+            ivec2 there = clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last);
+            vec4 light = texelFetch(march_light, there, 0);
+            float distance_m = texelFetch(march_distance, there, 0).r;
+            vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
+            blend += share.x * share.y * (1.0 - light.a) * distance_m;
+            distance_m = distance_m > 0.0 ? distance_m : nothing_m;
+            low = min(low, light);
+            high = max(high, light);
+            near_m = min(near_m, distance_m);
+            far_m = max(far_m, distance_m);
+        }
+        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m;
+        fresh.distance_m = own ? fresh.distance_m : distance_in(blend, 1.0 - fresh.light.a);
+        near_m = own ? fresh_m : near_m;
+        far_m = own ? fresh_m : far_m;
+        /* What stood where the nearest would have, or the farthest, and is there by its own distance too; of two
+         * the nearer hides the other. What is nearer than all that was seen has gone, unless it would have stayed. */
+        history_place near = history_at(ray, near_m);
+        history_place far = history_at(ray, far_m);
+        history_place of_near = history_at(ray, near.held_m);
+        history_place of_far = history_at(ray, far.held_m);
+        bool is_near = of_near.known && alike(of_near.held_m, near.held_m) && alike_ratio * near.held_m > near_m;
+        bool is_far = of_far.known && alike(of_far.held_m, far.held_m);
+        bool is_same = length(of_far.pixel - far.pixel) < doubted;
+        bool is_seen = alike_ratio * far.held_m > near_m;
+        place = far;
+        place.known = far.known && (is_same || is_seen && is_far);
+        if (is_far) {
+            place.pixel = of_far.pixel;
+            place.distance_m = of_far.distance_m;
+            place.samples = of_far.samples;
+        }
+        if (is_near) {
+            place = of_near;
         }
     }
+    if (!place.known) {
+        return fresh;
+    }
     /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
-    vec4 old = still ? texelFetch(history_in, pixel, 0) : textureLod(history_in, uv * (size / view.room.zw), 0.0);
-    ivec2 old_pixel = clamp(ivec2(uv * size), ivec2(0), ivec2(size) - 1);
-    vec2 data = texelFetch(history_data_in, old_pixel, 0).rg;
+    cloud_pixel old;
+    if (moves) {
+        old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples);
+    } else {
+        vec2 data = texelFetch(history_data_in, pixel, 0).rg;
+        old.light = texelFetch(history_in, pixel, 0);
+        old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
+        old.samples = data.y;
+    }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(data.g, shown) : data.g, view.drifted.w);
-    /* Until a ray of its own has come, the distance is a neighbour's. */
-    float old_distance_m = count < 1.0 && own ? 0.0 : data.r * distance_unit_m;
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples,
+                      view.drifted.w);
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
     float rays_beside = 0.0;
-    for (int k = !own && data.g < 0.5 ? 0 : 9; k < 9; ++k) {
+    ivec2 old_pixel = ivec2(place.pixel);
+    for (int k = !own && old.samples < 0.5 ? 0 : 9; k < 9; ++k) {
         ivec2 there = clamp(old_pixel + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(size) - 1);
         float seen = texelFetch(history_data_in, there, 0).g < 0.5 ? 0.0 : 1.0;
         beside += seen * texelFetch(history_in, there, 0);
         rays_beside += seen;
     }
-    old = rays_beside > 0.0 ? beside / rays_beside : old;
+    old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
 
-    /* What this frame saw around the pixel bounds what can have been there. */
-    vec4 low = fresh.light;
-    vec4 high = fresh.light;
-    for (int k = still ? 8 : 0; k < 9; ++k) {
-        vec4 near = texelFetch(march_light, clamp(block + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), last), 0);
-        low = min(low, near);
-        high = max(high, near);
-    }
-    if (!still) {
-        vec4 slack = (high - low) * 0.25 + vec4(0.02 * high.rgb, 0.02);
-        /* Rays are blocks apart: what stands between them is held back only where history has come from elsewhere. */
-        float moved = length(uv * size - (vec2(pixel) + 0.5));
+    if (moves) {
+        /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
+         * where the eye goes through air that may hold cloud. */
+        float moved = length(place.pixel - (vec2(pixel) + 0.5));
         float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(trusted, doubted, moved);
-        old = mix(clamp(old, low - slack, high + slack), old, trust);
+        float travels = clamp(length(view.offset.xyz - view.before_offset.xyz) / travel_m, 1e-3, 1.0);
+        vec4 slack = (high - low) * mix(0.25, 0.3 / travels, trust) +
+                     vec4(max(high, old.light).rgb, 1.0) * mix(0.02, 0.03 / travels, trust);
+        old.light = own ? old.light : clamp(old.light, low - slack, high + slack);
         count = count < 0.5 ? 0.0 : clamp(count, 1.0, view.scale.w);
     }
 
     cloud_pixel result;
     if (own) {
         float n = count < 1.0 ? 1.0 : count + 1.0;
-        result.light = mix(old, fresh.light, 1.0 / n);
-        result.distance_m = old_distance_m > 0.0 && fresh.distance_m > 0.0
-                                ? mix(old_distance_m, fresh.distance_m, 1.0 / n)
-                                : max(old_distance_m, fresh.distance_m);
+        float opacity = (1.0 - old.light.a) * (n - 1.0);
+        float all = opacity + 1.0 - fresh.light.a;
+        result.light = mix(old.light, fresh.light, 1.0 / n);
+        result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
         result.samples = min(n, 1024.0);
     } else if (count < 0.5) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
-        result.light = mix(old, fresh.light, still ? 1.0 / (1.0 + rays_beside) : 0.25);
+        result.light = mix(old.light, fresh.light, moves ? 0.25 : 1.0 / (1.0 + rays_beside));
     } else {
-        result.light = old;
-        result.distance_m = old_distance_m;
+        result = old;
         result.samples = count;
     }
     return result;
@@ -162,9 +263,6 @@ float along_to(float h0, float mu0, float height_m, bool upward) {
     return inside >= 0.0 ? -b + (upward ? 1.0 : -1.0) * sqrt(inside) : -1.0;
 }
 
-/* The host draws the ground, or nobody: then the pass spends nothing on ours. */
-layout(constant_id = 0) const bool draws_ground = true;
-
 void main() {
     ivec2 pixel = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
@@ -172,10 +270,14 @@ void main() {
     }
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
     cloud_pixel cloud = resolve_cloud(pixel, ray);
-    imageStore(history_out, pixel, cloud.light);
-    imageStore(history_data_out, pixel, vec4(cloud.distance_m / distance_unit_m, cloud.samples, 0.0, 0.0));
+    /* As 16 bits hold them: distance is got back by opacity, and what is only handed on must not wander. */
+    float held = unpackHalf2x16(packHalf2x16(vec2(cloud.light.a, 0.0))).x;
+    float product = (1.0 - held) * cloud.distance_m / distance_unit_m;
+    product = unpackHalf2x16(packHalf2x16(vec2(product, 0.0))).x;
+    imageStore(history_out, pixel, vec4(cloud.light.rgb, held));
+    imageStore(history_data_out, pixel, vec4(product, cloud.samples, 0.0, 0.0));
 
-    float hit = host_distance(pixel, ray);
+    float hit = has_depth ? host_distance(pixel, ray) : -1.0;
     bool host = hit >= 0.0;
     float ground = ground_distance(ray.origin, ray.direction);
     hit = host ? hit : ground;
@@ -191,16 +293,18 @@ void main() {
         near = enter_m > 0.0 ? along_ray(near.x, near.y, enter_m) : near;
         /* All the way: to the ground, or to space. Then, of the light of all the way, the share before what is hit. */
         bool to_ground = ground >= 0.0;
-        float way = to_ground ? ground - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
-        vec2 far = along_ray(near.x, near.y, max(way, 0.0));
-        vec3 whole = enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way);
+        float way_m = to_ground ? ground - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+        vec2 far = along_ray(near.x, near.y, max(way_m, 0.0));
+        vec3 whole = enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way_m);
         vec3 air = whole;
-        /* A loop that runs once or not at all: see march.comp. */
-        for (int once = host ? 0 : 1; once < 1; ++once) {
-            float before_m = hit - enter_m;
-            vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
-            air = air_between(near.x, near.y, there.x, there.y, before_m);
-            air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
+        if (has_depth) {
+            /* A loop that runs once or not at all: see march.comp. */
+            for (int once = host ? 0 : 1; once < 1; ++once) {
+                float before_m = hit - enter_m;
+                vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
+                air = air_between(near.x, near.y, there.x, there.y, before_m);
+                air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
+            }
         }
         vec3 sky = sky_luminance(ray.direction, to_ground);
         vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);
