@@ -232,6 +232,7 @@ typedef struct reference {
 typedef struct camera {
     double position[3], right[3], up[3], forward[3];
     float tan[4]; /* left, right, bottom, top */
+    float jitter[2];
     uint32_t flags, width, height;
     float scale;
     double time_s;

@@ -126,6 +126,7 @@ static bool check_images(checker *check, const velum_view_frame *f, const velum_
 
 static camera camera_of(const engine *e, const velum_view_frame *f) {
     camera c = {.tan = {f->tan_left, f->tan_right, f->tan_bottom, f->tan_top},
+                .jitter = {f->jitter_x, f->jitter_y},
                 .flags = f->flags & VELUM_VIEW_ORTHOGRAPHIC,
                 .width = f->width,
                 .height = f->height,
@@ -305,8 +306,8 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     }
     out->drifted[3] = history->other_plan ? OTHER_PLAN_SAMPLES : STANDING_SAMPLES;
     out->scale[0] = now->scale;
-    out->scale[1] = f->jitter_x;
-    out->scale[2] = f->jitter_y;
+    memcpy(&out->scale[1], now->jitter, sizeof now->jitter);
+    memcpy(out->before_jitter, before->jitter, sizeof before->jitter);
     out->scale[3] = anew || history->still > 0 ? 0.0f : MOVING_SAMPLES;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;

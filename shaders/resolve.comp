@@ -28,8 +28,8 @@ layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IM
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
 
 const float distance_unit_m = 100.0;
-/* Where a ray met no cloud, history is moved as if it had been so far away. */
-const float nothing_m = 60000.0;
+/* Where a ray met no cloud, history is moved as if it had been so far away, or as far as rays go. */
+const float nothing_least_m = 60000.0;
 /* Distances of one thing, as rays of one pixel find them. */
 const float alike_ratio = 1.7;
 /* Below it a pixel is as good as clear. */
@@ -59,9 +59,13 @@ struct history_place {
     vec2 pixel; /* of that frame, from its upper left corner */
     float samples;
     float distance_m; /* how far along the ray what is held there would be; 0: nothing is */
-    float held_m; /* the same; nothing_m: as good as nothing is */
+    float held_m; /* the same; nothing_m(): as good as nothing is */
     bool known; /* within that picture */
 };
+
+float nothing_m() {
+    return max(nothing_least_m, view.march.z);
+}
 
 float distance_in(float product, float opacity) {
     return opacity > 0.0 ? product / opacity : 0.0;
@@ -76,7 +80,7 @@ history_place history_at(view_ray ray, float distance_m) {
     plane /= view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 1.0 : depth_m;
     vec2 corner = vec2(view.before_right.w, view.before_offset.w);
     vec2 size = vec2(view.size.xy);
-    p.pixel = size * (plane - corner) / (vec2(view.before_up.w, view.before_forward.w) - corner);
+    p.pixel = size * (plane - corner) / (vec2(view.before_up.w, view.before_forward.w) - corner) - view.before_jitter.xy;
     p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
     p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
     vec2 at = p.pixel / view.room.zw;
@@ -84,7 +88,7 @@ history_place history_at(view_ray ray, float distance_m) {
     float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
     /* From where the eye is now. */
     p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
-    p.held_m = opacity > least_opacity && p.distance_m > 0.0 ? min(p.distance_m, nothing_m) : nothing_m;
+    p.held_m = opacity > least_opacity && p.distance_m > 0.0 ? min(p.distance_m, nothing_m()) : nothing_m();
     p.samples = data.y;
     return p;
 }
@@ -134,34 +138,35 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
     fresh.samples = own ? 1.0 : 0.0;
 
-    if (view.march_size.w == 0u) {
+    /* What this frame saw around the pixel. */
+    bool first = view.march_size.w == 0u;
+    vec4 low = fresh.light;
+    vec4 high = fresh.light;
+    float near_m = nothing_m();
+    float far_m = 0.0;
+    float blend = 0.0;
+    for (int k = own || !(moves || first) ? 4 : 0; k < 4; ++k) {
+        ivec2 there = clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last);
+        vec4 light = texelFetch(march_light, there, 0);
+        float distance_m = texelFetch(march_distance, there, 0).r;
+        vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
+        blend += share.x * share.y * (1.0 - light.a) * distance_m;
+        distance_m = distance_m > 0.0 ? distance_m : nothing_m();
+        low = min(low, light);
+        high = max(high, light);
+        near_m = min(near_m, distance_m);
+        far_m = max(far_m, distance_m);
+    }
+    fresh.distance_m = blend > 0.0 ? distance_in(blend, 1.0 - fresh.light.a) : fresh.distance_m;
+    if (first) {
         return fresh;
     }
     vec2 size = vec2(view.size.xy);
     history_place place;
     place.pixel = vec2(pixel) + 0.5;
     place.known = true;
-    vec4 low = fresh.light;
-    vec4 high = fresh.light;
     if (moves) {
-        /* What this frame saw around the pixel. */
-        float near_m = nothing_m;
-        float far_m = 0.0;
-        float blend = 0.0;
-        for (int k = own ? 4 : 0; k < 4; ++k) {
-            ivec2 there = clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last);
-            vec4 light = texelFetch(march_light, there, 0);
-            float distance_m = texelFetch(march_distance, there, 0).r;
-            vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
-            blend += share.x * share.y * (1.0 - light.a) * distance_m;
-            distance_m = distance_m > 0.0 ? distance_m : nothing_m;
-            low = min(low, light);
-            high = max(high, light);
-            near_m = min(near_m, distance_m);
-            far_m = max(far_m, distance_m);
-        }
-        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m;
-        fresh.distance_m = own ? fresh.distance_m : distance_in(blend, 1.0 - fresh.light.a);
+        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
         near_m = own ? fresh_m : near_m;
         far_m = own ? fresh_m : far_m;
         /* What stood where the nearest would have, or the farthest, and is there by its own distance too; of two
@@ -220,16 +225,22 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         float moved = length(place.pixel - (vec2(pixel) + 0.5));
         float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(trusted, doubted, moved);
         float travels = clamp(length(view.offset.xyz - view.before_offset.xyz) / travel_m, 1e-3, 1.0);
-        vec4 slack = (high - low) * mix(0.25, 0.3 / travels, trust) +
-                     vec4(max(high, old.light).rgb, 1.0) * mix(0.02, 0.03 / travels, trust);
-        old.light = own ? old.light : clamp(old.light, low - slack, high + slack);
+        vec4 bright = vec4(max(high, old.light).rgb, 1.0);
+        vec4 slack = (high - low) * 0.25 + bright * 0.02;
+        vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels;
+        vec4 held = mix(clamp(old.light, low - slack, high + slack), clamp(old.light, low - wide, high + wide), trust);
+        /* Cloud that is added so is where this frame's is. */
+        float opacity = 1.0 - old.light.a;
+        float added = own ? 0.0 : max(old.light.a - held.a, 0.0);
+        old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
+        old.light = own ? old.light : held;
         count = count < 0.5 ? 0.0 : clamp(count, 1.0, view.scale.w);
     }
 
     cloud_pixel result;
     if (own) {
         float n = count < 1.0 ? 1.0 : count + 1.0;
-        float opacity = (1.0 - old.light.a) * (n - 1.0);
+        float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (n - 1.0) : 0.0;
         float all = opacity + 1.0 - fresh.light.a;
         result.light = mix(old.light, fresh.light, 1.0 / n);
         result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
@@ -238,6 +249,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
         result.light = mix(old.light, fresh.light, moves ? 0.25 : 1.0 / (1.0 + rays_beside));
+        result.distance_m = fresh.distance_m > 0.0 ? fresh.distance_m : old.distance_m;
     } else {
         result = old;
         result.samples = count;
@@ -273,7 +285,7 @@ void main() {
     /* As 16 bits hold them: distance is got back by opacity, and what is only handed on must not wander. */
     float held = unpackHalf2x16(packHalf2x16(vec2(cloud.light.a, 0.0))).x;
     float product = (1.0 - held) * cloud.distance_m / distance_unit_m;
-    product = unpackHalf2x16(packHalf2x16(vec2(product, 0.0))).x;
+    product = unpackHalf2x16(packHalf2x16(vec2(min(product, 65504.0), 0.0))).x;
     imageStore(history_out, pixel, vec4(cloud.light.rgb, held));
     imageStore(history_data_out, pixel, vec4(product, cloud.samples, 0.0, 0.0));
 

@@ -78,11 +78,12 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(size);       /* width, height, x, y of the sub-rectangle */
     VELUM_UVEC4(march_size); /* width, height of the march images; rays' block width (1 to 8); frames since reset */
     VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
-    VELUM_VEC4(march);       /* first step m, growth, distance m, sample offset 0..1 of this frame */
+    VELUM_VEC4(march);       /* step m (the first few are shorter), growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
     VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; 0 */
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
+    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0, 0 */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
 };
 

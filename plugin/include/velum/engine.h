@@ -227,7 +227,8 @@ typedef struct velum_plan {
     uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4, 8, 16, 32 or 64 */
     uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
-    float step_m;           /* first step that looks for cloud, 1..10000; those in cloud are 0.18 of it */
+    float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
+                               those in cloud are 0.18 of it */
     float step_growth;      /* relative growth with distance, 0..0.5 */
     float distance_m;       /* rays end here at the latest, 1..1e7 */
 
