@@ -343,6 +343,10 @@ static bool has_fringe(const texel *texels) {
 /* What rounding and filtering may add. */
 #define FRINGE_SPARE_M 1.0f
 
+static velum_span_m with_spare(velum_span_m span) {
+    return (velum_span_m){span.low - FRINGE_SPARE_M, span.high + FRINGE_SPARE_M};
+}
+
 /* Bounds hold between texels too: they are of fields that are mixed, not of what is made of each. */
 static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fringe) {
     velum_span_m scud_m = {0};
@@ -359,23 +363,21 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
                                                    (float)v[2] / 65535.0f, (float)v[3] / 65535.0f);
             float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
             const float scud_low_m = base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud;
-            const float fall_low_m = base_m - VELUM_FALL_REACH_M * g.fall;
-            core_span_widen(&scud_m,
-                            (velum_span_m){scud_low_m - FRINGE_SPARE_M, base_m + VELUM_SCUD_OVER_M + FRINGE_SPARE_M});
-            core_span_widen(
-                &fall_m, (velum_span_m){fall_low_m - FRINGE_SPARE_M, base_m + VELUM_FALL_JOIN_MOST_M + FRINGE_SPARE_M});
+            core_span_widen(&scud_m, (velum_span_m){scud_low_m, base_m + VELUM_SCUD_OVER_M});
+            core_span_widen(&fall_m,
+                            (velum_span_m){base_m - VELUM_FALL_REACH_M * g.fall, base_m + VELUM_FALL_JOIN_MOST_M});
             scud = fmaxf(scud, g.scud);
             fall = fmaxf(fall, g.fall);
             kind = fmaxf(kind, g.fall_kind);
         }
     }
     if (scud > 0.0f) {
-        slot->scud_m = scud_m;
+        slot->scud_m = with_spare(scud_m);
         slot->max_scud_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
     }
     if (fall > 0.0f) {
-        fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M - FRINGE_SPARE_M);
-        slot->fall_m = fall_m;
+        fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M);
+        slot->fall_m = with_spare(fall_m);
         slot->max_fall_1_m = velum_fall_most_1_m((velum_fringe){.fall = fall, .fall_kind = kind});
     }
     slot->fringe = fringe;

@@ -180,32 +180,29 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         bool is_same = length(of_far.pixel - far.pixel) < doubted;
         bool is_seen = alike_ratio * far.held_m > near_m;
         place = far;
-        place.known = far.known && (is_same || is_seen && is_far);
         if (is_far) {
-            place.pixel = of_far.pixel;
-            place.distance_m = of_far.distance_m;
-            place.samples = of_far.samples;
+            place = of_far;
         }
         if (is_near) {
             place = of_near;
         }
+        place.known = is_near || (far.known && (is_same || (is_seen && is_far)));
     }
     if (!place.known) {
         return fresh;
     }
-    /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
     cloud_pixel old;
     if (moves) {
         old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples);
     } else {
+        /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
         vec2 data = texelFetch(history_data_in, pixel, 0).rg;
         old.light = texelFetch(history_in, pixel, 0);
         old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
         old.samples = data.y;
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples,
-                      view.drifted.w);
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.drifted.w);
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
