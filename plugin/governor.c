@@ -31,7 +31,7 @@ enum {
 #define TELLING_STEPS 0.4f
 #define TELLING_SHARE 0.3f
 /* Share of a new frame in the means of a track. */
-#define SMOOTH 0.07f
+#define SMOOTH 0.06f
 /* Octaves from the median of three. */
 #define OUTLIER 0.5f
 #define LEAST_MS 1e-4f

@@ -193,7 +193,8 @@ static void changes_nothing_unasked(void **state) {
     draw(&r, r.f.eye, ordinary, 32);
     expect_near(mean(r.light), mean(light), 0.005, "mean luminance of places drawn");
     assert_true(apart(r.light, light) < 0.01);
-    assert_true(r.stats.light_samples < all);
+    /* Up to four places a ray, of what it meets: here 0.68 of all. */
+    assert_true(4 * r.stats.light_samples < 3 * all);
     assert_int_equal(r.f.engine_api->destroy_view(ordinary), VELUM_OK);
     rig_finish(&r);
 }
