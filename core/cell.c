@@ -285,10 +285,11 @@ static float fall_kind_of(const core_slot_layer *layer, uint32_t slot) {
     }
 }
 
-/* Lowest height of the layer with what hangs below it, MSL. */
-static float set_fringe(const core_slot_layer *layer, uint32_t slot, float field[CORE_FIELD_COUNT]) {
+/* Heights of the layer with what it has beyond its cloud proper, MSL. */
+static velum_span_m set_fringe(const core_slot_layer *layer, uint32_t slot, float field[CORE_FIELD_COUNT]) {
+    velum_span_m span = {layer->base_m, layer->top_m};
     if (slot >= VELUM_SLOT_UNIFORM) {
-        return layer->base_m;
+        return span;
     }
     float c = layer->coverage;
     float fall = sqrtf(sqrtf(layer->precipitation_mm_h));
@@ -296,9 +297,11 @@ static float set_fringe(const core_slot_layer *layer, uint32_t slot, float field
     field[CORE_FIELD_TRANSITION] = c * layer->transition_m;
     field[CORE_FIELD_FALL] = c * fall;
     field[CORE_FIELD_FALL_KIND] = c * fall * fall_kind_of(layer, slot);
-    float low_m = layer->base_m - (layer->scud > 0.0f ? VELUM_SCUD_SHALLOW_M + VELUM_SCUD_DEEP_M * layer->scud : 0.0f);
-    low_m = fminf(low_m, layer->base_m - VELUM_FALL_REACH_M * fall);
-    return fmaxf(low_m, fminf(VELUM_FALL_FLOOR_M, layer->base_m));
+    const float scud_m = layer->scud > 0.0f ? VELUM_SCUD_SHALLOW_M + VELUM_SCUD_DEEP_M * layer->scud : 0.0f;
+    span.low -= fmaxf(fmaxf(scud_m, layer->transition_m), VELUM_FALL_REACH_M * fall);
+    span.low = fmaxf(span.low, fminf(VELUM_FALL_FLOOR_M, layer->base_m));
+    span.high += layer->transition_m;
+    return span;
 }
 
 static void make_slots(core_cell_reading *reading, const frame *at) {
@@ -323,8 +326,9 @@ static void make_slots(core_cell_reading *reading, const frame *at) {
         }
         out->field[CORE_FIELD_KIND] = c * layer->kind;
         out->field[CORE_FIELD_FULL] = c * c;
-        reading->min_base_m = fminf(reading->min_base_m, set_fringe(layer, slot, out->field));
-        reading->max_top_m = fmaxf(reading->max_top_m, layer->top_m);
+        const velum_span_m span = set_fringe(layer, slot, out->field);
+        reading->min_base_m = fminf(reading->min_base_m, span.low);
+        reading->max_top_m = fmaxf(reading->max_top_m, span.high);
     }
     reading->fields.slot_count = (uint8_t)reading->slot_count;
     reading->fields.slot_mask = (uint8_t)reading->layers.mask;

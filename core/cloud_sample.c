@@ -81,10 +81,10 @@ static void foot_of(const float point_m[3], const float normal[3], float height_
     }
 }
 
-static float scud_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
-                      const float point_m[3], const float normal[3], float height_m, bool fine) {
-    velum_span_m span = velum_scud_span(*f, *g);
-    if (!(g->scud > 0.0f) || height_m < span.low || height_m > span.high) {
+static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
+                     const float point_m[3], const float normal[3], float height_m, bool fine) {
+    velum_span_m span = velum_hem_span(*f, *g);
+    if (!(g->scud > 0.0f || g->transition_m > 0.0f) || height_m < span.low || height_m > span.high) {
         return 0.0f;
     }
     float foot[3];
@@ -97,7 +97,7 @@ static float scud_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f,
     }
     float noise = velum_scud_noise(detail_of(cloud, f, (const float(*)[4])lumps, 1.0f, point_m),
                                    fine ? core_cloud_fine(cloud, f, point_m) : 0.5f);
-    return velum_scud_1_m(*f, *g, e, height_m, noise);
+    return velum_scud_1_m(*f, *g, e, height_m, noise) + velum_band_1_m(profile, *f, *g, e, height_m);
 }
 
 static float fall_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
@@ -121,6 +121,6 @@ float core_cloud_fringe(const core_cloud_noise *cloud, const velum_slot_fields *
     if (fields->coverage <= 0.0f || cloud->slot >= VELUM_SLOT_UNIFORM) {
         return 0.0f;
     }
-    return scud_1_m(cloud, fields, fringe, point_m, normal, height_m, fine) +
+    return hem_1_m(cloud, fields, fringe, point_m, normal, height_m, fine) +
            fall_1_m(cloud, fields, fringe, point_m, normal, height_m, fine);
 }

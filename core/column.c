@@ -164,8 +164,9 @@ static double smooth(double low, double high, double x) {
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* What is left of a sheet's thickness at its very edge. */
+/* What is left at the very edge: of a sheet's thickness, and of a storm's. */
 #define EDGE_THICKNESS_M 200.0f
+#define EDGE_STORM_SHARE 0.25f
 
 float core_blend_fullness(const float *field) {
     float c = field[CORE_FIELD_COVERAGE];
@@ -173,15 +174,20 @@ float core_blend_fullness(const float *field) {
 }
 
 float core_blend_top(uint32_t slot, const float *field) {
-    const uint32_t thinning = 1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_CUMULUS |
-                              1u << VELUM_SLOT_MIDDLE | 1u << VELUM_SLOT_HIGH;
     float full = core_blend_fullness(field);
-    if (!(thinning & (1u << slot)) || full > 1.0f - 1e-5f) {
+    if (slot >= VELUM_SLOT_UNIFORM || full > 1.0f - 1e-5f) {
         return field[CORE_FIELD_TOP];
     }
     float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
-    float edge = fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
-    return field[CORE_FIELD_BASE] + edge + (thickness - edge) * full * full;
+    float edge = slot == VELUM_SLOT_STORM ? EDGE_STORM_SHARE * thickness
+                                          : fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
+    float t = slot == VELUM_SLOT_STORM ? full * (2.0f - full) : full * full;
+    return field[CORE_FIELD_BASE] + edge + (thickness - edge) * t;
+}
+
+float core_blend_kind(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    return field[CORE_FIELD_KIND] * full * full;
 }
 
 /* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */
@@ -369,7 +375,7 @@ static void set_layers(const core_state *state, const double normal[3], const co
             .wind_x_m_s = wind[0],
             .wind_y_m_s = wind[1],
             .wind_z_m_s = wind[2],
-            .kind = f[CORE_FIELD_KIND] * scale,
+            .kind = core_blend_kind(slot, f) * scale,
         };
     }
 }

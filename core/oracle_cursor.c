@@ -50,9 +50,9 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
         }
         for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
             if (cursor->tile[s]->mask & (1u << slot)) {
-                const core_tile_slot *fields = &cursor->tile[s]->slot[slot];
-                cursor->min_base_m = fminf(cursor->min_base_m, core_tile_slot_low_m(fields));
-                cursor->max_top_m = fmaxf(cursor->max_top_m, fields->max_top_m);
+                const velum_span_m span = core_tile_slot_span(&cursor->tile[s]->slot[slot]);
+                cursor->min_base_m = fminf(cursor->min_base_m, span.low);
+                cursor->max_top_m = fmaxf(cursor->max_top_m, span.high);
             }
         }
     }

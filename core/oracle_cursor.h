@@ -12,7 +12,7 @@ typedef struct oracle_cursor {
     double distance_m; /* at which a picture's pixel is as large as the footprint */
     uint32_t key, data_key;
     core_tile *tile[2];
-    float min_base_m, max_top_m; /* of the tiles, with all that hangs below */
+    float min_base_m, max_top_m; /* of the tiles, with hems and what falls */
     double noise_origin_m[3];
     bool has_noise;
     core_cloud_noise noise[VELUM_SLOT_COUNT];

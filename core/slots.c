@@ -18,7 +18,7 @@ bool core_slot_of_genus(int32_t genus, uint32_t *slot, float *kind) {
         [VELUM_GENUS_CS] = {VELUM_SLOT_HIGH, VELUM_KIND_CS},   [VELUM_GENUS_AC] = {VELUM_SLOT_MIDDLE, VELUM_KIND_AC},
         [VELUM_GENUS_AS] = {VELUM_SLOT_MIDDLE, VELUM_KIND_AS}, [VELUM_GENUS_NS] = {VELUM_SLOT_MIDDLE, VELUM_KIND_NS},
         [VELUM_GENUS_SC] = {VELUM_SLOT_LOW, VELUM_KIND_SC},    [VELUM_GENUS_ST] = {VELUM_SLOT_LOW, VELUM_KIND_ST},
-        [VELUM_GENUS_CU] = {VELUM_SLOT_CUMULUS, 0.0f},         [VELUM_GENUS_CB] = {VELUM_SLOT_STORM, 0.0f},
+        [VELUM_GENUS_CU] = {VELUM_SLOT_CUMULUS, 0.0f},         [VELUM_GENUS_CB] = {VELUM_SLOT_STORM, VELUM_KIND_CB},
     };
     if (genus < VELUM_GENUS_CI || genus > VELUM_GENUS_CB) {
         return false;

@@ -63,6 +63,7 @@ void core_blend_region(const core_cell *cell, const double normal[3], double lat
  * to less cloud. There it thins out instead of breaking into columns as tall as it is: its top, times coverage, MSL. */
 float core_blend_fullness(const float *field);
 float core_blend_top(uint32_t slot, const float *field);
+float core_blend_kind(uint32_t slot, const float *field);
 
 /* Over the last degree before a pole the wind of global cells fades out. */
 #define CORE_POLE_FADE_DEG 1.0

@@ -87,7 +87,7 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
     for (uint32_t axis = 0; axis < 3; axis++) {
         out.value[TEXEL_WIND + axis] = unorm(velum_texel_from_wind((wind[axis] - up * (float)normal[axis]) * scale));
     }
-    out.value[TEXEL_KIND] = unorm(velum_clamp(field[CORE_FIELD_KIND] * scale, 0.0f, 1.0f));
+    out.value[TEXEL_KIND] = unorm(velum_clamp(core_blend_kind(slot, field) * scale, 0.0f, 1.0f));
     float fall = field[CORE_FIELD_FALL];
     out.value[TEXEL_SCUD] = unorm(velum_clamp(field[CORE_FIELD_SCUD] * scale, 0.0f, 1.0f));
     out.value[TEXEL_TRANSITION] =
@@ -333,7 +333,8 @@ static void store(core_tile_slot *slot, const texel *texels, uint16_t *a, uint16
 
 static bool has_fringe(const texel *texels) {
     for (uint32_t at = 0; at < WIDE_COUNT; at++) {
-        if (texels[at].value[TEXEL_SCUD] > 0 || texels[at].value[TEXEL_FALL] > 0) {
+        if (texels[at].value[TEXEL_SCUD] > 0 || texels[at].value[TEXEL_TRANSITION] > 0 ||
+            texels[at].value[TEXEL_FALL] > 0) {
             return true;
         }
     }
@@ -350,8 +351,10 @@ static velum_span_m with_spare(velum_span_m span) {
 /* Bounds hold between texels too: they are of fields that are mixed, not of what is made of each. */
 static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fringe) {
     velum_span_m scud_m = {0};
+    velum_span_m band_m = {0};
     velum_span_m fall_m = {0};
     float scud = 0.0f;
+    float transition_m = 0.0f;
     float fall = 0.0f;
     float kind = 0.0f;
     for (uint32_t j = 0; j < SIDE; j++) {
@@ -364,16 +367,23 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
             float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
             const float scud_low_m = base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud;
             core_span_widen(&scud_m, (velum_span_m){scud_low_m, base_m + VELUM_SCUD_OVER_M});
+            const float top_m = velum_texel_height_m((float)from->value[TEXEL_TOP] / 65535.0f);
+            core_span_widen(&band_m, (velum_span_m){base_m - g.transition_m, top_m + g.transition_m});
             core_span_widen(&fall_m,
                             (velum_span_m){base_m - VELUM_FALL_REACH_M * g.fall, base_m + VELUM_FALL_JOIN_MOST_M});
             scud = fmaxf(scud, g.scud);
+            transition_m = fmaxf(transition_m, g.transition_m);
             fall = fmaxf(fall, g.fall);
             kind = fmaxf(kind, g.fall_kind);
         }
     }
     if (scud > 0.0f) {
-        slot->scud_m = with_spare(scud_m);
-        slot->max_scud_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
+        slot->hem_m = with_spare(scud_m);
+        slot->max_hem_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
+    }
+    if (transition_m > 0.0f) {
+        core_span_widen(&slot->hem_m, with_spare(band_m));
+        slot->max_hem_1_m += VELUM_BAND_SHARE * slot->max_extinction_1_m;
     }
     if (fall > 0.0f) {
         fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M);

@@ -24,8 +24,8 @@ typedef struct core_tile_slot {
     float min_base_m, max_top_m; /* HAE, over texels with coverage, apron included */
     float max_coverage;
     float max_extinction_1_m;
-    velum_span_m scud_m, fall_m; /* heights of what is there of either, HAE; low >= high: nothing */
-    float max_scud_1_m, max_fall_1_m;
+    velum_span_m hem_m, fall_m; /* heights of what is there of either, HAE; low >= high: nothing */
+    float max_hem_1_m, max_fall_1_m;
 } core_tile_slot;
 
 typedef struct core_tile {
@@ -43,11 +43,16 @@ static inline void core_span_widen(velum_span_m *span, velum_span_m by) {
     span->high = first || by.high > span->high ? by.high : span->high;
 }
 
-/* Lowest of all that the slot has. */
-static inline float core_tile_slot_low_m(const core_tile_slot *slot) {
-    float low_m = slot->scud_m.low < slot->scud_m.high && slot->scud_m.low < slot->min_base_m ? slot->scud_m.low
-                                                                                              : slot->min_base_m;
-    return slot->fall_m.low < slot->fall_m.high && slot->fall_m.low < low_m ? slot->fall_m.low : low_m;
+/* Heights of all that the slot has. */
+static inline velum_span_m core_tile_slot_span(const core_tile_slot *slot) {
+    velum_span_m span = {slot->min_base_m, slot->max_top_m};
+    if (slot->hem_m.low < slot->hem_m.high) {
+        core_span_widen(&span, slot->hem_m);
+    }
+    if (slot->fall_m.low < slot->fall_m.high) {
+        core_span_widen(&span, slot->fall_m);
+    }
+    return span;
 }
 
 /* Null: out of memory. One reference. */

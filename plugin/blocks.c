@@ -94,7 +94,7 @@ static void fill_surface(const engine *e, const double normal[3], velum_eye_bloc
 }
 
 static void fill_part(uint32_t part, velum_span_m span, float most_1_m, velum_eye_block *out) {
-    float *bounds = out->fringes[part - VELUM_PART_SCUD];
+    float *bounds = out->fringes[part - VELUM_PART_HEM];
     if (out->table[3] & (1u << part)) {
         bounds[0] = span.low;
         bounds[1] = span.high;
@@ -117,7 +117,7 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
             out->span[1] = first ? bounds[1] : fmaxf(out->span[1], bounds[1]);
             first = false;
         }
-        fill_part(VELUM_PART_SCUD + slot, t->scud_m[slot], t->most_scud_1_m[slot], out);
+        fill_part(VELUM_PART_HEM + slot, t->hem_m[slot], t->most_hem_1_m[slot], out);
         fill_part(VELUM_PART_FALL + slot, t->fall_m[slot], t->most_fall_1_m[slot], out);
     }
 }
@@ -182,7 +182,7 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     out->table[0] = t->first_chunk * (TABLE_CHUNK_BYTES / 4);
     out->table[1] = t->entries - 1;
     out->table[2] = mask;
-    out->table[3] = t->fringes & (mask << VELUM_PART_SCUD | mask << VELUM_PART_FALL);
+    out->table[3] = t->fringes & (mask << VELUM_PART_HEM | mask << VELUM_PART_FALL);
     out->weather[0] = WORLD_TILE_DETAIL;
     out->weather[1] = e->weather.blend;
 

@@ -129,10 +129,10 @@ static bool find_tiles(const tiles_context *c, uint32_t key, bool rasterise, cor
 }
 
 static void note_fringe(tiles *t, uint32_t slot, const core_tile_slot *fields) {
-    if (fields->scud_m.low < fields->scud_m.high) {
-        t->fringes |= 1u << (VELUM_PART_SCUD + slot);
-        core_span_widen(&t->scud_m[slot], fields->scud_m);
-        t->most_scud_1_m[slot] = fmaxf(t->most_scud_1_m[slot], fields->max_scud_1_m);
+    if (fields->hem_m.low < fields->hem_m.high) {
+        t->fringes |= 1u << (VELUM_PART_HEM + slot);
+        core_span_widen(&t->hem_m[slot], fields->hem_m);
+        t->most_hem_1_m[slot] = fmaxf(t->most_hem_1_m[slot], fields->max_hem_1_m);
     }
     if (fields->fall_m.low < fields->fall_m.high) {
         t->fringes |= 1u << (VELUM_PART_FALL + slot);
@@ -184,9 +184,9 @@ static uint32_t parent_of(uint32_t key) {
 
 static void resolve(tiles *t, const tiles_context *c) {
     t->mask = t->closing = t->fringes = 0;
-    memset(t->scud_m, 0, sizeof t->scud_m);
+    memset(t->hem_m, 0, sizeof t->hem_m);
     memset(t->fall_m, 0, sizeof t->fall_m);
-    memset(t->most_scud_1_m, 0, sizeof t->most_scud_1_m);
+    memset(t->most_hem_1_m, 0, sizeof t->most_hem_1_m);
     memset(t->most_fall_1_m, 0, sizeof t->most_fall_1_m);
     t->standing = VELUM_OK;
     for (uint32_t i = 0; i < t->set.data_count; i++) {

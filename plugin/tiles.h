@@ -38,8 +38,8 @@ typedef struct tiles {
     uint32_t closing;                                        /* of them: uniform, or all but overcast somewhere */
     uint32_t fringes;                                        /* VELUM_PART_* + slot */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
-    velum_span_m scud_m[VELUM_SLOT_COUNT], fall_m[VELUM_SLOT_COUNT];
-    float most_scud_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
+    velum_span_m hem_m[VELUM_SLOT_COUNT], fall_m[VELUM_SLOT_COUNT];
+    float most_hem_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
 } tiles;
 
 /* Where updates find what they need. */

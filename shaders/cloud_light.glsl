@@ -38,12 +38,13 @@ struct cloud_hit {
     velum_profile profile;
     float excess;
     float margin; /* velum_margin */
-    float across; /* optical depth of scud or of what falls, from side to side; of cloud 0 */
+    float across; /* optical depth of a hem or of what falls, from side to side; of cloud 0 */
     float extinction_1_m;
     float height_fraction; /* of the layer */
     vec2 span_m;           /* heights between which there is something */
     bool within, covered;  /* the layer; a cloud's column, in it */
     bool sampled;          /* anything was asked for its density */
+    bool smooth_part;      /* no noise that a long step would miss: rain, a transition band */
     vec3 r;
     vec3 normal;
     float height_m; /* of the light's place */
@@ -81,7 +82,7 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
 }
 
 bool is_fringe(cloud_hit hit) {
-    return FRINGED(hit.part >= VELUM_PART_SCUD, false);
+    return FRINGED(hit.part >= VELUM_PART_HEM, false);
 }
 
 /* The cloud over a shaft is far and uneven: few steps would draw its shadows as steps. */
@@ -126,12 +127,14 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     hit.span_m = vec2(f.base_m, f.top_m);
     hit.sampled = within;
     hit.across = 0.0;
+    hit.smooth_part = false;
 #ifdef VELUM_FRINGED
     for (int once = fringe && f.coverage > 0.0 ? 0 : 1; once < 1; ++once) {
         velum_fringe g = slot_fringe(hit.tile, slot);
         float h = hit.at_h_m;
         hit.span_m = part_span(hit.part, f, g);
         hit.sampled = h > hit.span_m.x && h < hit.span_m.y;
+        hit.smooth_part = hit.part >= VELUM_PART_FALL || g.scud <= 0.0;
         for (int inside = hit.sampled ? 0 : 1; inside < 1; ++inside) {
             hit.extinction_1_m = part_extinction(hit.part, f, profile, g, hit.r, hit.normal, h,
                                                  velum_shows_fine(distance_m, eye.slots[slot].fine_0.w));

@@ -1,4 +1,4 @@
-/* Scud and precipitation at a point, and where they can be. */
+/* Scud, transition bands and precipitation at a point, and where they can be. */
 #ifndef VELUM_FRINGE_GLSL
 #define VELUM_FRINGE_GLSL
 
@@ -7,13 +7,13 @@
 
 #ifdef VELUM_FRINGED
 
-const uint all_scud = 255u << VELUM_PART_SCUD;
+const uint all_hem = 255u << VELUM_PART_HEM;
 const uint all_fall = 255u << VELUM_PART_FALL;
 
-/* Heights and bound of a slot's cloud, scud or precipitation over all that the eye has: lowest, highest; greatest
+/* Heights and bound of a slot's cloud, hem or precipitation over all that the eye has: lowest, highest; greatest
  * extinction of the latter two. */
 vec4 part_bounds(int part) {
-    return part < VELUM_PART_SCUD ? eye.slots[part].bounds : eye.fringes[part - VELUM_PART_SCUD];
+    return part < VELUM_PART_HEM ? eye.slots[part].bounds : eye.fringes[part - VELUM_PART_HEM];
 }
 
 velum_fringe page_fringe(uint page, vec2 uv) {
@@ -41,7 +41,7 @@ velum_fringe slot_fringe(tile_place place, int slot) {
 vec2 part_span(int part, velum_slot_fields f, velum_fringe g) {
     velum_span_m s;
     if (part < VELUM_PART_FALL) {
-        s = velum_scud_span(f, g);
+        s = velum_hem_span(f, g);
     } else {
         s = velum_fall_span(f, g);
     }
@@ -53,11 +53,15 @@ float scud_lumps(int slot, velum_slot_fields f, vec3 r) {
                           eye.slots[slot].lump_1 * VELUM_SCUD_LUMPS, 1.0);
 }
 
-float scud_extinction(int slot, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
-                      float h, bool fine) {
+float hem_extinction(int slot, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
+                     float h, bool fine) {
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-    float noise = velum_scud_noise(scud_lumps(slot, f, r), fine ? fine_noise(slot, f, r) : 0.5);
-    return velum_scud_1_m(f, g, e, h, noise);
+    float extinction = velum_band_1_m(profile, f, g, e, h);
+    for (int once = g.scud > 0.0 ? 0 : 1; once < 1; ++once) {
+        float noise = velum_scud_noise(scud_lumps(slot, f, r), fine ? fine_noise(slot, f, r) : 0.5);
+        extinction += velum_scud_1_m(f, g, e, h, noise);
+    }
+    return extinction;
 }
 
 float fall_extinction(int slot, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
@@ -69,7 +73,7 @@ float fall_extinction(int slot, velum_slot_fields f, velum_profile profile, velu
     return velum_fall_1_m(profile, f, g, e, h, streak);
 }
 
-/* How far about itself a shaft, or a field of scud, shines on itself: of the noise's period. Fitted to the reference: rain
+/* How far about itself a shaft, or a hem, shines on itself: of the noise's period. Fitted to the reference: rain
  * from a storm, snow from altostratus. */
 const float across_share = 0.9;
 float part_across_m(int part) {
@@ -82,8 +86,8 @@ float part_extinction(int part, velum_slot_fields f, velum_profile profile, velu
                       float h, bool fine) {
     float extinction = 0.0;
     int slot = part & 7;
-    for (int once = part < VELUM_PART_FALL && g.scud > 0.0 ? 0 : 1; once < 1; ++once) {
-        extinction = scud_extinction(slot, f, profile, g, r, normal, h, fine);
+    for (int once = part < VELUM_PART_FALL ? 0 : 1; once < 1; ++once) {
+        extinction = hem_extinction(slot, f, profile, g, r, normal, h, fine);
     }
     for (int once = part >= VELUM_PART_FALL && g.fall > 0.0 ? 0 : 1; once < 1; ++once) {
         extinction = fall_extinction(slot, f, profile, g, r, normal, h, fine);

@@ -182,7 +182,6 @@ void main() {
         done |= looking ? 1u << uint(part) : 0u;
         meets &= ~(1u << uint(part));
         int slot = FRINGED(part & (VELUM_SLOT_COUNT - 1), part);
-        bool falls = FRINGED(part >= VELUM_PART_FALL, false);
 
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
         hit.part = part;
@@ -213,7 +212,8 @@ void main() {
         float gap = min(max(-hit.excess, 0.0) * f.coverage * 0.05 * period_m, texel_m);
         float clear = covered ? min(max(-hit.margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
-        float own = f.coverage <= 0.0 ? reach_m.y : (within ? gap : climb);
+        bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
+        float own = f.coverage <= 0.0 ? reach_m.y : (within || hangs ? gap : climb);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         float start_m = position;
@@ -230,14 +230,14 @@ void main() {
             allowed = 1.0e9;
             advance = 1.0e9;
             done = 0u;
-        } else if (found && !is_short && !uniform_layer && !falls) {
+        } else if (found && !is_short && !uniform_layer && !hit.smooth_part) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
-            short_until = found && !falls ? max(short_until, position + 0.6 * long_dt) : short_until;
+            short_until = found && !hit.smooth_part ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;

@@ -165,7 +165,7 @@ void main() {
         clear_m[6] = lane.clear_4.z;
         clear_m[7] = lane.clear_4.w;
 #ifdef VELUM_FRINGED
-        clear_m[process_scud] = uintBitsToFloat(lane.media.z);
+        clear_m[process_hem] = uintBitsToFloat(lane.media.z);
         clear_m[process_fall] = uintBitsToFloat(lane.media.w);
 #endif
         tracked = lane.tracked.xyz;
@@ -521,7 +521,7 @@ void main() {
         for (int i = 0; i < VELUM_REFERENCE_CHAINS; ++i) {
             lane.chosen[i] = chosen[i];
         }
-        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), FRINGED(floatBitsToUint(clear_m[process_scud]), 0u),
+        lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), FRINGED(floatBitsToUint(clear_m[process_hem]), 0u),
                            FRINGED(floatBitsToUint(clear_m[process_fall]), 0u));
         lane.next_d = vec4(next_d, dim);
         lane.next = vec4(next_weight, air_1_m);

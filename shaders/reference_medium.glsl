@@ -13,12 +13,12 @@ const int medium_haze = 11;
 const int medium_fog = 12;
 
 #define VELUM_EACH_SLOT(DO) DO(0) DO(1) DO(2) DO(3) DO(4) DO(5) DO(6) DO(7)
-/* What is tracked: the cloud of each slot, all scud, all that falls. */
-const int process_scud = VELUM_SLOT_COUNT;
+/* What is tracked: the cloud of each slot, all hems, all that falls. */
+const int process_hem = VELUM_SLOT_COUNT;
 const int process_fall = VELUM_SLOT_COUNT + 1;
 const int process_count = FRINGED(VELUM_SLOT_COUNT + 2, VELUM_SLOT_COUNT);
 #ifdef VELUM_FRINGED
-#define VELUM_EACH_PROCESS(DO) VELUM_EACH_SLOT(DO) DO(process_scud) DO(process_fall)
+#define VELUM_EACH_PROCESS(DO) VELUM_EACH_SLOT(DO) DO(process_hem) DO(process_fall)
 #else
 #define VELUM_EACH_PROCESS(DO) VELUM_EACH_SLOT(DO)
 #endif
@@ -28,7 +28,7 @@ bool slot_is_there(const int slot) {
 }
 
 uint fringes_of(const int process) {
-    return FRINGED(eye.table.w & (process == process_scud ? all_scud : all_fall), 0u);
+    return FRINGED(eye.table.w & (process == process_hem ? all_hem : all_fall), 0u);
 }
 
 bool process_is_there(const int process) {
@@ -226,7 +226,7 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
 }
 
 #ifdef VELUM_FRINGED
-/* Extinction of all scud, or of all that falls, and a slot that it belongs to, by chance. */
+/* Extinction of all hems, or of all that falls, and a slot that it belongs to, by chance. */
 float fringe_at(const int process, velum_place place, vec3 r, vec3 d, float choice, out int slot) {
     vec3 normal = vec3(place.nx, place.ny, place.nz);
     float h = place.height_m;
@@ -284,7 +284,7 @@ float clouds_at(inout int slot, vec3 r, vec3 d, float choice, inout bool missing
             extinction = fringe_at(n, place, r, d, choice, slot);                                                      \
         }                                                                                                              \
     }
-    VELUM_LOOK_BELOW(process_scud)
+    VELUM_LOOK_BELOW(process_hem)
     VELUM_LOOK_BELOW(process_fall)
 #endif
     return extinction;

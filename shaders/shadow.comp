@@ -14,7 +14,7 @@ layout(set = 1, binding = VELUM_BIND_SHADOW_OUT, r16f) uniform writeonly image2D
 const float most_steps = 32.0;
 
 #ifdef VELUM_FRINGED
-/* Optical depth of scud and of what falls, from so far on along the sun's line. */
+/* Optical depth of hems and of what falls, from so far on along the sun's line. */
 float fringe_depth(vec3 plane, vec3 to_sun, float from_m) {
     float depth = 0.0;
     tile_place tile = tile_nowhere();

@@ -15,7 +15,7 @@ float velum_detail_at(float x, float y, float z) {
 
 /* Two weather states, or two lives of the noise, are mixed. The plain pipeline does not pay for it. */
 layout(constant_id = 0) const bool velum_mixes = true;
-/* Layers with scud or precipitation have passes of their own: nor for these. */
+/* Layers with scud, a transition band or precipitation have passes of their own: nor for these. */
 #ifdef VELUM_FRINGED
 #define FRINGED(there, plain) (there)
 #else
@@ -66,7 +66,7 @@ tile_place tile_look_up(velum_face_place face, int wanted, uint key) {
 #ifdef VELUM_FRINGED
                 uint fringed = table[word + 2u] >> uint(VELUM_SLOT_COUNT);
                 place.fringe = eye.table.x + table[word + 3u];
-                place.parts = (fringed << VELUM_PART_SCUD | fringed << VELUM_PART_FALL) & eye.table.w;
+                place.parts = (fringed << VELUM_PART_HEM | fringed << VELUM_PART_FALL) & eye.table.w;
 #endif
                 uint data_level = table[word + 1u];
                 place.scale = 1.0 / float(1u << (uint(wanted) - data_level));

@@ -49,7 +49,7 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(span); /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
     VELUM_VEC4S(shades, VELUM_SHADE_LEVELS); /* velum_shade: mean light of clouds over the eye's place, by height */
     velum_slot_block slots[VELUM_SLOT_COUNT];
-    VELUM_VEC4S(fringes, VELUM_FRINGE_PARTS); /* by part, from VELUM_PART_SCUD on: lowest, highest (HAE m), greatest
+    VELUM_VEC4S(fringes, VELUM_FRINGE_PARTS); /* by part, from VELUM_PART_HEM on: lowest, highest (HAE m), greatest
                                                  extinction (1/m) among the tiles of the table; 0 */
 };
 

@@ -75,11 +75,11 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.4514f, 0.9018f, 0.0519f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.5083f, 0.7850f, -0.0744f, -0.2515f, 0.5479f, 5.1136f, -0.0122f, -0.0434f,
-                                   0.0836f, 1.0020f, 0.0227f);
-        b = velum_calibration_make(10600.0f, 1.5083f, 0.7850f, -0.0744f, -0.2515f, 0.5479f, 5.1136f, -0.0122f, -0.0434f,
-                                   0.0836f, 1.0020f, 0.0227f);
-        t = 0.0f;
+        a = velum_calibration_make(10600.0f, 1.1527f, 0.5380f, -0.0475f, -0.1734f, 0.3448f, 3.0920f, -0.0045f, -0.0264f,
+                                   0.0508f, 0.9010f, 0.0162f);
+        b = velum_calibration_make(10600.0f, 1.2381f, 0.5159f, -0.0311f, -0.0762f, 0.0453f, 3.9316f, -0.0017f, -0.5020f,
+                                   0.1322f, 1.0909f, -0.0003f);
+        t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {
             a = velum_calibration_make(2000.0f, 1.0230f, 0.4014f, -0.0035f, -0.5872f, 0.5077f, 1.8727f, -0.0482f,

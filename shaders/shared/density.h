@@ -25,9 +25,10 @@ VELUM_STRUCT(velum_profile) {
     float erosion;     /* of the boundary by fine detail, in e */
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
     float tuck;        /* g at the base: what lies near the rim begins higher up */
-    float stem;        /* g below the anvil, 0: none */
+    float stem;        /* g just below the anvil, 0: none */
+    float damp;        /* how much smoother and thinner than the towers the anvil is */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
-    float growth;      /* of water with height: 0 constant, 1 adiabatic (linear) */
+    float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_body_over */
     float base_soft_m; /* the base is not a knife's edge */
     float coverage_scale, density_scale; /* calibration.h */
 };
@@ -52,8 +53,8 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 17000.0f;
-        n.lump_period_m = 3200.0f;
+        n.shape_period_m = 26000.0f;
+        n.lump_period_m = 6000.0f;
         n.fine_period_m = 480.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
@@ -78,6 +79,7 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
     p.foot = velum_mix(a.foot, b.foot, t);
     p.tuck = velum_mix(a.tuck, b.tuck, t);
     p.stem = velum_mix(a.stem, b.stem, t);
+    p.damp = velum_mix(a.damp, b.damp, t);
     p.close = velum_mix(a.close, b.close, t);
     p.growth = velum_mix(a.growth, b.growth, t);
     p.base_soft_m = velum_mix(a.base_soft_m, b.base_soft_m, t);
@@ -97,6 +99,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     p.foot = 0.35f;
     p.tuck = 0.0f;
     p.stem = stem;
+    p.damp = 0.0f;
     p.close = close;
     p.growth = growth;
     p.base_soft_m = base_soft_m;
@@ -116,7 +119,9 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p = velum_profile_blend(velum_profile_make(0.88f, 3.0f, 0.60f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f),
                                 velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        p = velum_profile_make(0.80f, 10.0f, 0.45f, 0.06f, 0.30f, 0.50f, 0.0f, 0.4f, 60.0f);
+        /* Towers; a storm with its anvil. */
+        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.60f, 0.06f, 0.30f, 0.0f, 0.0f, 0.6f, 60.0f),
+                                velum_profile_make(0.80f, 14.0f, 0.60f, 0.05f, 0.25f, 0.60f, 0.0f, 0.4f, 60.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -148,6 +153,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
     float over = velum_overcast(fields.coverage);
+    p.stem = p.stem * (1.0f - 0.8f * over); /* one tower, and its anvil where cover thins out */
+    p.damp = slot == VELUM_SLOT_STORM ? 0.6f * kind : 0.0f;
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
     return p;
@@ -162,13 +169,24 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 /* Height fraction up to which the rim is tucked in. */
 #define VELUM_TUCK_TOP 0.3f
 
+/* An anvil's underside slopes up and out between these height fractions. */
+#define VELUM_ANVIL_LOW 0.60f
+#define VELUM_ANVIL_HIGH 0.86f
+#define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
+/* Towers narrow towards the anvil: `stem` is reached at the inverse of this. */
+#define VELUM_STEM_SLOPE 1.4f
+
+VELUM_FN float velum_anvil(float z) {
+    return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);
+}
+
 /* Threshold of e at height fraction z. */
 VELUM_FN float velum_threshold(velum_profile p, float z) {
     float g = p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
     float low = 1.0f - VELUM_MIN(z * (1.0f / VELUM_TUCK_TOP), 1.0f);
     g = g + p.tuck * low * low;
     if (p.stem > 0.0f) {
-        g = g + p.stem * (1.0f - velum_smoothstep(0.62f, 0.86f, z));
+        g = g + p.stem * VELUM_MIN(VELUM_STEM_SLOPE * z, 1.0f) * (1.0f - velum_anvil(z));
     }
     return g;
 }
@@ -177,7 +195,11 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
  * shows neither). */
 VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
-    return carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
+    carve = carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
+    if (p.damp > 0.0f) {
+        carve = carve * (1.0f - p.damp * velum_anvil(z));
+    }
+    return carve;
 }
 
 /* How far inside the boundary, in e; negative outside. */
@@ -191,8 +213,13 @@ VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_o
                                float spread) {
     float f = velum_margin(p, e, z, lump, fine);
     float inside = velum_smoothstep(-spread, p.softness + spread, f);
+    /* Water that grows linearly from the base in as many drops (adiabatic) has an extinction that grows as its power
+     * 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest fifth. */
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
+    if (p.damp > 0.0f) {
+        water = water * (1.0f - p.damp * velum_anvil(z));
+    }
     return inside * water * foot * p.density_scale;
 }
 

@@ -1,5 +1,5 @@
-/* What a layer has beyond its cloud proper: scud under its base, and what falls from it. Base, top, coverage and water
- * path of the layer are those of the cloud proper (density.h).
+/* What a layer has beyond its cloud proper: scud under its base, a band over which it thins out, and what falls from
+ * it. Base, top, coverage and water path of the layer are those of the cloud proper (density.h).
  *
  * Precipitation falls from columns that are thick enough, as streaks that lag behind the cloud where the wind is weaker
  * below (parabolas; Marshall 1953), and evaporates on its way. Of Sundqvist's (1988) evaporation, in proportion to the
@@ -18,7 +18,7 @@
 /* The fringe of a slot at a place. */
 VELUM_STRUCT(velum_fringe) {
     float scud;         /* 0..1 */
-    float transition_m; /* no effect yet */
+    float transition_m; /* depth of the band under the base and over tops; 0: none */
     float fall;         /* fourth root of the rate at the base in mm/h; 0: dry */
     float fall_kind;    /* VELUM_FALL_* */
 };
@@ -70,8 +70,11 @@ VELUM_STRUCT(velum_fringe) {
 #define VELUM_SCUD_SOFTNESS 0.12f
 #define VELUM_SCUD_FULL 0.65f /* rank of its noise down to which the fullest scud reaches, from above */
 #define VELUM_SCUD_FINE 0.35f /* of its noise */
-/* Its lumps are so many times finer than the cloud's. */
-#define VELUM_SCUD_LUMPS 3.0f
+#define VELUM_SCUD_LUMPS 3.0f /* so many times finer than the cloud's */
+/* Transition band: of the layer's extinction where the cloud proper ends; and it goes as deep into the cloud. */
+#define VELUM_BAND_SHARE 0.5f
+#define VELUM_BAND_JOIN 0.12f
+#define VELUM_BAND_JOIN_MOST_M 60.0f
 
 VELUM_FN velum_fringe velum_fringe_of_texel(float c0, float c1, float c2, float c3) {
     velum_fringe g;
@@ -145,6 +148,25 @@ VELUM_FN velum_span_m velum_scud_span(velum_slot_fields f, velum_fringe g) {
     return s;
 }
 
+VELUM_FN velum_span_m velum_band_span(velum_slot_fields f, velum_fringe g) {
+    velum_span_m s;
+    s.low = VELUM_MAX(f.base_m - g.transition_m, VELUM_FALL_FLOOR_M);
+    s.high = f.top_m + g.transition_m;
+    return s;
+}
+
+/* Of both together: they are one part. */
+VELUM_FN velum_span_m velum_hem_span(velum_slot_fields f, velum_fringe g) {
+    velum_span_m scud = velum_scud_span(f, g);
+    velum_span_m band = velum_band_span(f, g);
+    velum_span_m s;
+    s.low = g.scud > 0.0f ? scud.low : band.low;
+    s.high = g.scud > 0.0f ? scud.high : band.high;
+    s.low = g.transition_m > 0.0f ? VELUM_MIN(s.low, band.low) : s.low;
+    s.high = g.transition_m > 0.0f ? VELUM_MAX(s.high, band.high) : s.high;
+    return s;
+}
+
 /* No more than this. */
 VELUM_FN float velum_fall_most_1_m(velum_fringe g) {
     return velum_fall_extinction_1_m(g.fall, g.fall_kind) * (1.0f + VELUM_FALL_STREAKS);
@@ -187,6 +209,23 @@ VELUM_FN float velum_scud_1_m(velum_slot_fields f, velum_fringe g, float e, floa
     float margin = noise - 1.0f + VELUM_SCUD_FULL * VELUM_SQRT(VELUM_MAX(amount, 0.0f));
     float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e);
     return velum_scud_most_1_m(f, g) * under * velum_smoothstep(0.0f, VELUM_SCUD_SOFTNESS, margin);
+}
+
+/* Extinction of the transition band, 1/m, at a height of a column of excess rank e: falls with the square of the way
+ * that is left, under the layer's base and, of sheets, over the column's own top: heaps keep their outlines. Never less
+ * for a deeper band. */
+VELUM_FN float velum_band_1_m(velum_profile p, velum_slot_fields f, velum_fringe g, float e, float height_m) {
+    float thickness_m = VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    float share = velum_clamp(e / VELUM_MAX(p.reach, 0.05f), 0.0f, 1.0f);
+    float top_m = f.base_m + thickness_m * VELUM_POW(share, 1.0f / VELUM_MAX(p.power, 0.1f));
+    float outside_m = VELUM_MAX(f.base_m - height_m, height_m - top_m);
+    float left = velum_clamp(1.0f - outside_m / VELUM_MAX(g.transition_m, 1.0e-3f), 0.0f, 1.0f);
+    left = outside_m > 0.0f ? left : 1.0f;
+    float join_m = VELUM_MIN(VELUM_BAND_JOIN * thickness_m, VELUM_BAND_JOIN_MOST_M);
+    float joined = 1.0f - velum_smoothstep(0.0f, join_m, -outside_m);
+    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e);
+    under = height_m - top_m > f.base_m - height_m ? under * VELUM_MIN(2.0f * p.close, 1.0f) : under;
+    return g.transition_m > 0.0f ? VELUM_BAND_SHARE * f.extinction_1_m * left * left * joined * under : 0.0f;
 }
 
 #endif

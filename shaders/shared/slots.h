@@ -15,8 +15,9 @@
 #define VELUM_SLOT_UNIFORM_2 7
 #define VELUM_SLOT_COUNT 8
 
-/* The parts of a slot: its cloud has the slot's own number, scud and what falls these and the slot's number. */
-#define VELUM_PART_SCUD 8
+/* The parts of a slot: its cloud has the slot's own number; its hem (scud and transition band) and what falls
+ * these and the slot's number. */
+#define VELUM_PART_HEM 8
 #define VELUM_PART_FALL 16
 #define VELUM_FRINGE_PARTS 16
 
@@ -29,6 +30,7 @@
 #define VELUM_KIND_CS 0.0f
 #define VELUM_KIND_CI 0.5f
 #define VELUM_KIND_CC 1.0f
+#define VELUM_KIND_CB 1.0f /* with an anvil; 0: towers without, as at the edge of a storm */
 
 /* Texels of a page, two textures of R16G16B16A16_UNORM:
  *   A: coverage, base, top, extinction      B: wind x, y, z (ECEF), kind

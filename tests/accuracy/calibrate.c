@@ -191,7 +191,7 @@ static void write_pair(FILE *file, const char *indent, const row *a, const row *
     fprintf(file, "%st = %s;\n", indent, t);
 }
 
-static void write_table(FILE *file, const row rows[11]) {
+static void write_table(FILE *file, const row rows[12]) {
     fputs(head, file);
     fputs("VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float coverage, float thickness_m,\n"
           "                                                float optical_depth) {\n"
@@ -202,15 +202,15 @@ static void write_table(FILE *file, const row rows[11]) {
     fputs("    } else if (slot == VELUM_SLOT_CUMULUS) {\n", file);
     write_pair(file, "        ", &rows[2], &rows[3], "kind");
     fputs("    } else if (slot == VELUM_SLOT_STORM) {\n", file);
-    write_pair(file, "        ", &rows[4], &rows[4], "0.0f");
+    write_pair(file, "        ", &rows[4], &rows[5], "kind");
     fputs("    } else if (slot == VELUM_SLOT_MIDDLE) {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[5], &rows[6], "2.0f * kind");
+    write_pair(file, "            ", &rows[6], &rows[7], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[6], &rows[7], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[7], &rows[8], "2.0f * kind - 1.0f");
     fputs("        }\n    } else {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[8], &rows[9], "2.0f * kind");
+    write_pair(file, "            ", &rows[9], &rows[10], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[9], &rows[10], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[10], &rows[11], "2.0f * kind - 1.0f");
     fputs("        }\n    }\n"
           "    return velum_calibration_mix(velum_calibration_from(a, coverage, thickness_m, optical_depth),\n"
           "                                 velum_calibration_from(b, coverage, thickness_m, optical_depth), t);\n"
@@ -223,18 +223,18 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: velum-calibrate OUTPUT (shaders/shared/calibration.h, then clang-format)\n");
         return 2;
     }
-    const kind_knot knots[11] = {
+    const kind_knot knots[12] = {
         {"St", VELUM_SLOT_LOW, 0.0f, &column_cases[0]},      {"Sc", VELUM_SLOT_LOW, 1.0f, &column_cases[1]},
         {"Cu0", VELUM_SLOT_CUMULUS, 0.0f, &column_cases[2]}, {"Cu1", VELUM_SLOT_CUMULUS, 1.0f, &column_cases[2]},
-        {"Cb", VELUM_SLOT_STORM, 0.0f, &column_cases[3]},    {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},
-        {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},   {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},
-        {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},     {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},
-        {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
+        {"Cb0", VELUM_SLOT_STORM, 0.0f, &column_cases[3]},   {"Cb", VELUM_SLOT_STORM, 1.0f, &column_cases[3]},
+        {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},   {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},
+        {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},   {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},
+        {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},     {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
     };
-    row rows[11];
+    row rows[12];
     core_noise *noise = core_noise_create();
     bool ok = noise != NULL;
-    for (int k = 0; k < 11 && ok; k++) {
+    for (int k = 0; k < 12 && ok; k++) {
         ok = measure_kind(noise, &knots[k], &rows[k]);
     }
     core_noise_destroy(noise);

@@ -281,17 +281,21 @@ static void thin_cloud(void **state) {
     }
 }
 
-/* From under the base, along rays of 2.5 km through rain, and through scud just under the base. */
-static void rain_and_scud(void **state) {
+/* From under the base, along rays of 2.5 km through rain, and through scud or a transition band just under the base. */
+static void fringes(void **state) {
     (void)state;
-    for (int scud = 0; scud < 2; scud++) {
+    static const char *const names[] = {"rain", "scud", "transition band"};
+    for (int kind = 0; kind < 3; kind++) {
+        const bool rain = kind == 0;
+        const bool scud = kind == 1;
         fixture f;
         fixture_init(&f, false);
         velum_layer layer = layer_of(VELUM_GENUS_NS, 0.9f, 1500.0f, 4000.0f, 0.3f, 10.0f);
         layer.wind_east_m_s = 10.0f;
         layer.scud = scud ? 0.5f : 0.0f;
-        layer.precipitation_mm_h = scud ? 0.0f : 12.0f;
-        layer.precipitation = scud ? VELUM_PRECIPITATION_NONE : VELUM_PRECIPITATION_RAIN;
+        layer.transition_m = rain || scud ? 0.0f : 400.0f;
+        layer.precipitation_mm_h = rain ? 12.0f : 0.0f;
+        layer.precipitation = rain ? VELUM_PRECIPITATION_RAIN : VELUM_PRECIPITATION_NONE;
         fixture_commit(&f, &layer, 1);
         static picture p;
         static float end_m[PIXELS];
@@ -299,7 +303,7 @@ static void rain_and_scud(void **state) {
         for (int i = 0; i < PIXELS; i++) {
             end_m[i] = (float)length_m;
         }
-        look(&f, scud ? 1330.0 : 500.0, 0.0, scud ? 0.02f : 0.12f, end_m, &p);
+        look(&f, rain ? 500.0 : scud ? 1330.0 : 1180.0, 0.0, rain ? 0.12f : 0.02f, end_m, &p);
         double worst = 0.0;
         double sum = 0.0;
         double least = 1.0;
@@ -315,7 +319,7 @@ static void rain_and_scud(void **state) {
         }
         qsort(off, PIXELS, sizeof *off, ascending);
         print_message("%s: transmittance from %.3f, bias %+.5f, |difference| median %.5f, 95 %% %.5f, worst %.5f\n",
-                      scud ? "scud" : "rain", least, sum / PIXELS, off[PIXELS / 2], off[PIXELS * 95 / 100], worst);
+                      names[kind], least, sum / PIXELS, off[PIXELS / 2], off[PIXELS * 95 / 100], worst);
         assert_true(least < 0.5);
         /* Steps of 35 m pass over slivers of scud. */
         assert_true(fabs(sum / PIXELS) <= (scud ? 0.015 : 0.001));
@@ -326,6 +330,6 @@ static void rain_and_scud(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(uniform_layers), cmocka_unit_test(first_contact),
-                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(rain_and_scud)};
+                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(fringes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -59,7 +59,10 @@ typedef struct velum_layer {
     float hg_asymmetry;       /* -0.999..0.999; see VELUM_LAYER_PHASE_HG */
     float wind_east_m_s;      /* wind vector (towards), in the frame of east and north at the cell's own place; */
     float wind_north_m_s;     /*   of a global cell: at every place (fading to 0 within 1 degree of a pole) */
-    float transition_m;       /* vertical transition band at base and top; 0: the genus's own. No effect yet */
+    float transition_m;       /* 0..25000: depth of the transition band, under the base and (of sheets: St, As, Ns, Cs,
+                                 and partly Sc) over the tops of the cloud, in which the layer thins out from half of its
+                                 extinction to nothing; base_m and top_m stay those of the cloud proper. 0: none. Not of
+                                 UNIFORM layers */
     float scud;               /* 0..1: ragged fragments under the base, more and deeper with it, to 120 m + 380 m times
                                  scud below the base, not under 0.3 of its height; 0: none. Not of UNIFORM layers */
     float precipitation_mm_h; /* 0..500: that falls from the layer, water equivalent, at its base, under its thick

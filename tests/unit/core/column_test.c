@@ -466,7 +466,10 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
     core_column c = column_at(state, lat, lon, 76.0);
     assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 9000.0f, 0.5f); /* a tower is one to its edge */
+    /* Half full, towers are a quarter of the storm's height and three quarters of (2 - 1/2) / 2 of the rest, and lose
+     * the anvil. */
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.25f + 0.75f * 0.75f), 0.5f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, 0.25f * VELUM_KIND_CB, 1e-3f);
     core_state_unref(state);
 
     /* Cut sharply it keeps its depth to the edge. */

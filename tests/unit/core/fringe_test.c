@@ -166,22 +166,50 @@ static void look(const core_tile *tile, uint32_t slot, uint32_t *random, float m
         return;
     }
     const velum_profile p = velum_profile_of((int)slot, f);
-    const velum_span_m scud_m = velum_scud_span(f, g);
+    const velum_span_m hem_m = velum_hem_span(f, g);
     const velum_span_m fall_m = velum_fall_span(f, g);
     for (int i = 0; i < 4; i++) {
         const float e = 1.2f * unit(random) - 0.1f;
         const float noise = unit(random);
-        float h = velum_mix(scud_m.low, scud_m.high, unit(random));
-        const float scud = velum_scud_1_m(f, g, e, h, noise);
-        assert_true(scud == 0.0f || (h >= bounds->scud_m.low && h <= bounds->scud_m.high));
-        assert_true(scud <= bounds->max_scud_1_m * 1.0005f);
+        float h = velum_mix(hem_m.low, hem_m.high, unit(random));
+        const float hem = velum_scud_1_m(f, g, e, h, noise) + velum_band_1_m(p, f, g, e, h);
+        assert_true(hem == 0.0f || (h >= bounds->hem_m.low && h <= bounds->hem_m.high));
+        assert_true(hem <= bounds->max_hem_1_m * 1.0005f);
         h = velum_mix(fall_m.low, fall_m.high, unit(random));
         const float fall = velum_fall_1_m(p, f, g, e, h, noise);
         assert_true(fall == 0.0f || (h >= bounds->fall_m.low && h <= bounds->fall_m.high));
         assert_true(fall <= bounds->max_fall_1_m * 1.0005f);
-        most[0] = fmaxf(most[0], scud);
+        most[0] = fmaxf(most[0], hem);
         most[1] = fmaxf(most[1], fall);
     }
+}
+
+/* Half of the layer's extinction where the cloud ends, nothing beyond the band; between them a third of that over all
+ * of the band: the integral of (1 - x)^2. Under the base as over a column's own top. */
+static void bands_thin_out_to_nothing(void **state) {
+    (void)state;
+    const velum_slot_fields f = {
+        .coverage = 0.95f, .base_m = 2000.0f, .top_m = 4000.0f, .extinction_1_m = 0.03f, .kind = VELUM_KIND_NS};
+    const velum_fringe g = {.transition_m = 500.0f};
+    const velum_profile p = velum_profile_of(VELUM_SLOT_MIDDLE, f);
+    const float e = 0.7f;
+    const float top_m = f.base_m + (f.top_m - f.base_m) * fminf(powf(e / p.reach, 1.0f / p.power), 1.0f);
+    assert_float_equal(velum_band_1_m(p, f, g, e, f.base_m), 0.015f, 1e-6f);
+    assert_float_equal(velum_band_1_m(p, f, g, e, top_m), 0.015f, 1e-6f);
+    assert_true(velum_band_1_m(p, f, g, e, f.base_m - 500.0f) == 0.0f);
+    assert_true(velum_band_1_m(p, f, g, e, top_m + 500.5f) == 0.0f);
+    assert_true(velum_band_1_m(p, f, g, e, 0.5f * (f.base_m + top_m)) == 0.0f);
+    assert_true(velum_band_1_m(p, f, g, -0.01f, f.base_m) == 0.0f);
+    assert_true(velum_band_1_m(p, f, (velum_fringe){0}, e, f.base_m) == 0.0f);
+    double below = 0.0;
+    double above = 0.0;
+    for (int i = 0; i < 1000; i++) {
+        const float m = 0.5f * ((float)i + 0.5f);
+        below += 0.5 * (double)velum_band_1_m(p, f, g, e, f.base_m - m);
+        above += 0.5 * (double)velum_band_1_m(p, f, g, e, top_m + m);
+    }
+    assert_float_equal(below, 0.015 * 500.0 / 3.0, 0.003);
+    assert_float_equal(above, 0.015 * 500.0 / 3.0, 0.003);
 }
 
 static void nothing_is_outside_the_bounds(void **state) {
@@ -194,6 +222,7 @@ static void nothing_is_outside_the_bounds(void **state) {
             velum_layer layers[2] = {wet_layer(genera[k], 0.6f, 2200.0f, 4000.0f, 0.3f, 0.1f),
                                      wet_layer(genera[k], 0.95f, 900.0f, 5000.0f, 30.0f, 0.9f)};
             layers[0].precipitation = VELUM_PRECIPITATION_SNOW;
+            layers[i % 2].transition_m = 700.0f;
             velum_cell cells[2] = {cell_of(VELUM_CELL_GLOBAL, 1, &layers[0], 1),
                                    cell_of(VELUM_CELL_RECTANGLE, 2, &layers[1], 1)};
             cells[1].lat_deg = places[i][0];
@@ -218,13 +247,14 @@ static void nothing_is_outside_the_bounds(void **state) {
                     continue;
                 }
                 assert_non_null(tile->slot[slot].fringe);
-                assert_true(core_tile_slot_low_m(&tile->slot[slot]) >= low_m - 2.0f);
+                assert_true(core_tile_slot_span(&tile->slot[slot]).low >= low_m - 2.0f);
+                assert_true(core_tile_slot_span(&tile->slot[slot]).high <= high_m + 2.0f);
                 float most[2] = {0.0f, 0.0f};
                 for (int n = 0; n < 20000; n++) {
                     look(tile, slot, &random, most);
                 }
                 /* Bounds, and not boundless ones. */
-                assert_true(most[0] > 0.5f * tile->slot[slot].max_scud_1_m);
+                assert_true(most[0] > 0.5f * tile->slot[slot].max_hem_1_m);
                 assert_true(most[1] > 0.05f * tile->slot[slot].max_fall_1_m);
             }
             core_tile_unref(tile);
@@ -250,9 +280,13 @@ static void layers_without_it_have_no_pages_of_it(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_cloud_proper_stays_as_it_is),      cmocka_unit_test(rain_comes_down_and_virga_does_not),
-        cmocka_unit_test(a_state_that_dries_up_does_so_evenly), cmocka_unit_test(lines_see_what_points_see),
-        cmocka_unit_test(nothing_is_outside_the_bounds),        cmocka_unit_test(layers_without_it_have_no_pages_of_it),
+        cmocka_unit_test(the_cloud_proper_stays_as_it_is),
+        cmocka_unit_test(rain_comes_down_and_virga_does_not),
+        cmocka_unit_test(a_state_that_dries_up_does_so_evenly),
+        cmocka_unit_test(lines_see_what_points_see),
+        cmocka_unit_test(bands_thin_out_to_nothing),
+        cmocka_unit_test(nothing_is_outside_the_bounds),
+        cmocka_unit_test(layers_without_it_have_no_pages_of_it),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
