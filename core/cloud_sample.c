@@ -56,6 +56,18 @@ float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fi
     return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, cloud->fine_stretch, point_m);
 }
 
+/* Where the noise of the column at a point is taken: on the ellipsoid, moved as the trails of cirrus are. */
+static void foot_of(const core_cloud_noise *cloud, const velum_slot_fields *f, const float point_m[3],
+                    const float normal[3], float height_m, const float moved_m[3], float foot_m[3]) {
+    const velum_noise_point p = velum_trail(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
+    const float trail_m[3] = {p.x, p.y, p.z};
+    for (int axis = 0; axis < 3; axis++) {
+        foot_m[axis] = point_m[axis] + moved_m[axis] - normal[axis] * height_m + trail_m[axis];
+    }
+}
+
+static const float unmoved_m[3] = {0.0f, 0.0f, 0.0f};
+
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine) {
     if (fields->coverage <= 0.0f || height_m < fields->base_m || height_m > fields->top_m) {
@@ -64,21 +76,14 @@ float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fiel
     if (cloud->slot >= VELUM_SLOT_UNIFORM) {
         return velum_slot_extinction(cloud->slot, *fields, height_m, 1.0f, 0.0f, 0.5f);
     }
-    const float foot[3] = {point_m[0] - normal[0] * height_m, point_m[1] - normal[1] * height_m,
-                           point_m[2] - normal[2] * height_m};
+    float foot[3];
+    foot_of(cloud, fields, point_m, normal, height_m, unmoved_m, foot);
     float rank = core_cloud_rank(cloud, fields, foot);
     if (velum_excess(velum_profile_of(cloud->slot, *fields), fields->coverage, rank) <= 0.0f) {
         return 0.0f;
     }
     return velum_slot_extinction(cloud->slot, *fields, height_m, rank, core_cloud_lump(cloud, fields, point_m),
                                  fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
-}
-
-static void foot_of(const float point_m[3], const float normal[3], float height_m, const float moved_m[3],
-                    float foot_m[3]) {
-    for (int axis = 0; axis < 3; axis++) {
-        foot_m[axis] = point_m[axis] + moved_m[axis] - normal[axis] * height_m;
-    }
 }
 
 static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
@@ -88,7 +93,7 @@ static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, 
         return 0.0f;
     }
     float foot[3];
-    foot_of(point_m, normal, height_m, (const float[3]){0.0f, 0.0f, 0.0f}, foot);
+    foot_of(cloud, f, point_m, normal, height_m, unmoved_m, foot);
     velum_profile profile = velum_profile_of(cloud->slot, *f);
     float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
     float lumps[2][4];
@@ -109,7 +114,7 @@ static float fall_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f,
     float lag_s = velum_fall_lag_s(*g, f->base_m - height_m);
     const float moved[3] = {f->wind_x_m_s * lag_s, f->wind_y_m_s * lag_s, f->wind_z_m_s * lag_s};
     float foot[3];
-    foot_of(point_m, normal, height_m, moved, foot);
+    foot_of(cloud, f, point_m, normal, height_m, moved, foot);
     velum_profile profile = velum_profile_of(cloud->slot, *f);
     float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
     float streak = velum_fall_streak(core_cloud_lump(cloud, f, foot), fine ? core_cloud_fine(cloud, f, foot) : 0.5f);

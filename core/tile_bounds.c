@@ -15,11 +15,11 @@ static float unit(uint16_t stored) {
 
 /* Change from one texel to its neighbours, over a metre, at most: between texels fields are bilinear. */
 typedef struct slopes {
-    float wind_1_s, coverage_1_m, height;
+    float wind_1_s, coverage_1_m, height, kind_1_m;
 } slopes;
 
 static slopes slopes_of(const core_tile_slot *from, float texel_m) {
-    float wind = 0.0f, coverage = 0.0f, height = 0.0f;
+    float wind = 0.0f, coverage = 0.0f, height = 0.0f, kind = 0.0f;
     for (uint32_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
         for (int turn = 0; turn < 2; turn++) {
             const uint32_t step = turn == 0 ? 1 : VELUM_TILE_SIDE;
@@ -37,6 +37,7 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
             }
             wind = fmaxf(wind, square);
             coverage = fmaxf(coverage, fabsf(unit(a[0]) - unit(next_a[0])));
+            kind = fmaxf(kind, fabsf(unit(b[3]) - unit(next_b[3])));
             for (uint32_t k = 1; k < 3; k++) {
                 height = fmaxf(height, fabsf(velum_texel_height_m(unit(a[k])) - velum_texel_height_m(unit(next_a[k]))));
             }
@@ -44,7 +45,14 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
     }
     /* Both axes together; texels are as narrow as 0.7 of the nominal side. */
     const float scale = sqrtf(2.0f) / (0.7f * texel_m);
-    return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale};
+    return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale, kind * scale};
+}
+
+/* Metres of noise over a metre along the layer by which trails grow longer or shorter: see velum_trail. */
+static float trail_change(uint32_t slot, slopes change) {
+    return slot == VELUM_SLOT_HIGH ? velum_noise_of((int)slot).stretch * (2.0f * VELUM_TRAIL_M * change.kind_1_m +
+                                                                          3.0f * VELUM_TRAIL_MOST * change.height)
+                                   : 0.0f;
 }
 
 static float page_most_1_m(velum_slot_fields f, velum_profile p) {
@@ -162,6 +170,7 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         out->shape[0] = change.wind_1_s;
         out->shape[1] = change.coverage_1_m;
         out->shape[2] = change.height;
+        out->shape[3] = trail_change(slot, change);
     }
     if (!even && slot < VELUM_SLOT_UNIFORM) {
         out->most[0] *= SLACK;

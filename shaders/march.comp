@@ -209,6 +209,7 @@ void main() {
             reach_m = tile_reach_m(tile, normal, ray.direction);
         }
         advance = clear_tile ? min(advance, reach_m.x) : advance;
+        period_m /= 1.0 + abs(rise) * velum_trail_slope(slot, f) * eye.slots[slot].bounds.z;
         float gap = min(max(-hit.excess, 0.0) * f.coverage * 0.05 * period_m, texel_m);
         float clear = covered ? min(max(-hit.margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));

@@ -80,7 +80,7 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     }
     velum_page_bounds x = page_bounds[a == VELUM_PAGE_NONE ? b : a];
     float tau = max(abs(eye.weather.z), velum_mixes ? abs(eye.weather.w) : 0.0);
-    s.slowness = 1.0 / (1.0 + x.shape.x * tau);
+    s.slowness = 1.0 / (1.0 + x.shape.x * tau + x.shape.w);
     s.even = x.even.x;
     s.fade = x.shape.y;
     s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);

@@ -98,12 +98,12 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
         if (kind < 0.5f) {
             a = velum_calibration_make(1500.0f, 1.0362f, 0.8187f, -0.0051f, -0.2166f, -0.0112f, 3.0053f, -0.0307f,
                                        -0.1349f, -0.1752f, 3.6032f, 0.0098f);
-            b = velum_calibration_make(1500.0f, 1.1285f, 1.4493f, -0.0215f, -0.1442f, 0.2752f, 7.2968f, -0.1361f,
-                                       -0.0320f, 0.0698f, 1.3552f, 0.0071f);
+            b = velum_calibration_make(1500.0f, 0.4173f, 0.8635f, -0.0195f, -0.1662f, 0.6149f, 5.1268f, -0.0935f,
+                                       -0.0834f, 0.1085f, 1.2956f, 0.0913f);
             t = 2.0f * kind;
         } else {
-            a = velum_calibration_make(1500.0f, 1.1285f, 1.4493f, -0.0215f, -0.1442f, 0.2752f, 7.2968f, -0.1361f,
-                                       -0.0320f, 0.0698f, 1.3552f, 0.0071f);
+            a = velum_calibration_make(1500.0f, 0.4173f, 0.8635f, -0.0195f, -0.1662f, 0.6149f, 5.1268f, -0.0935f,
+                                       -0.0834f, 0.1085f, 1.2956f, 0.0913f);
             b = velum_calibration_make(500.0f, 1.2470f, 1.1434f, -0.1239f, -0.4052f, 1.0295f, 6.9692f, -0.5893f,
                                        -0.2244f, 0.5190f, 1.3568f, 0.0617f);
             t = 2.0f * kind - 1.0f;

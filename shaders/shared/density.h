@@ -108,6 +108,16 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     return p;
 }
 
+/* Of cirrus, how far its trails reach; and no farther than so many thicknesses of the layer. */
+#define VELUM_TRAIL_M 3750.0f
+#define VELUM_TRAIL_MOST 5.0f
+
+/* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
+VELUM_FN float velum_fibrous(int slot, float kind) {
+    float fibrous = 1.0f - VELUM_MIN(VELUM_MAX(2.0f * kind - 1.0f, 1.0f - 2.0f * kind), 1.0f);
+    return slot == VELUM_SLOT_HIGH ? fibrous : 0.0f;
+}
+
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float kind = fields.kind;
     velum_profile p;
@@ -137,10 +147,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         /* Cs: a veil; Ci: fibres; Cc: grains. */
         if (kind < 0.5f) {
             p = velum_profile_blend(velum_profile_make(0.25f, 2.0f, 0.02f, 0.60f, 0.15f, 0.0f, 0.5f, 0.0f, 300.0f),
-                                    velum_profile_make(0.60f, 1.2f, 0.10f, 0.70f, 0.60f, 0.0f, 0.0f, 0.0f, 300.0f),
+                                    velum_profile_make(0.60f, 1.2f, 0.10f, 0.55f, 0.50f, 0.0f, 0.0f, 0.0f, 300.0f),
                                     2.0f * kind);
         } else {
-            p = velum_profile_blend(velum_profile_make(0.60f, 1.2f, 0.10f, 0.70f, 0.60f, 0.0f, 0.0f, 0.0f, 300.0f),
+            p = velum_profile_blend(velum_profile_make(0.60f, 1.2f, 0.10f, 0.55f, 0.50f, 0.0f, 0.0f, 0.0f, 300.0f),
                                     velum_profile_make(0.60f, 1.2f, 0.80f, 0.35f, 0.10f, 0.0f, 0.0f, 0.0f, 40.0f),
                                     2.0f * kind - 1.0f);
         }
@@ -157,6 +167,16 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     p.damp = slot == VELUM_SLOT_STORM ? 0.6f * kind : 0.0f;
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
+    float fibrous = velum_fibrous(slot, kind);
+    if (fibrous > 0.0f) {
+        /* Trails cover the more beside their heads the smaller those are: fitted to what velum-calibrate finds from 1
+         * to 6 oktas, over that at 4. */
+        float c = fields.coverage;
+        float heads = velum_mix(1.0f, 0.43f + c + 0.28f * c * c, fibrous);
+        p.coverage_scale = p.coverage_scale * heads;
+        p.density_scale = p.density_scale * velum_mix(1.0f, 0.93f + 0.14f * c, fibrous) / heads;
+        p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
+    }
     return p;
 }
 

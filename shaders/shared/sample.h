@@ -85,6 +85,34 @@ VELUM_STRUCT(velum_noise_point) {
     float x, y, z;
 };
 
+VELUM_FN float velum_trail_reach_m(int slot, velum_slot_fields f) {
+    float thickness_m = VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    return velum_fibrous(slot, f.kind) * VELUM_MIN(VELUM_TRAIL_M, VELUM_TRAIL_MOST * thickness_m);
+}
+
+/* Metres over a metre of height, at most. */
+VELUM_FN float velum_trail_slope(int slot, velum_slot_fields f) {
+    return 2.0f * velum_trail_reach_m(slot, f) / VELUM_MAX(f.top_m - f.base_m, 1.0f);
+}
+
+/* How far a column's lower parts lie from its head, m, horizontally along the fibres: ice that falls out of cirrus is left
+ * behind by the wind that grows with height, on a parabola (Marshall 1953). */
+VELUM_FN velum_noise_point velum_trail(int slot, velum_slot_fields f, float height_m, float normal_x, float normal_y,
+                                       float normal_z) {
+    float thickness_m = VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    float depth = velum_clamp((f.top_m - height_m) / thickness_m, 0.0f, 1.0f);
+    velum_noise_point p;
+    p.x = VELUM_FIBRE_Y * normal_z - VELUM_FIBRE_Z * normal_y;
+    p.y = VELUM_FIBRE_Z * normal_x - VELUM_FIBRE_X * normal_z;
+    p.z = VELUM_FIBRE_X * normal_y - VELUM_FIBRE_Y * normal_x;
+    float length = VELUM_MAX(VELUM_SQRT(p.x * p.x + p.y * p.y + p.z * p.z), 0.1f);
+    float scale = velum_trail_reach_m(slot, f) * depth * depth / length;
+    p.x = p.x * scale;
+    p.y = p.y * scale;
+    p.z = p.z * scale;
+    return p;
+}
+
 /* Where the offset r from the eye lies in a noise: phase of the eye, plus the turned offset over the period. */
 VELUM_FN velum_noise_point velum_noise_place(float phase_x, float phase_y, float phase_z, float period_inv_1_m,
                                              float stretch, float rx, float ry, float rz) {

@@ -165,6 +165,10 @@ bool columns_measure(const core_noise *noise, const column_case *of, float cover
 bool columns_measure_anywhere(const core_noise *noise, const column_case *of, float coverage, int count, int steps,
                               column_stats *out) {
     sums s;
+    /* Trails have another rank at each height: theirs are those of places, at random, and more of them. */
+    const velum_slot_fields fields = fields_of(of, coverage);
+    const bool trails = velum_fibrous(of->slot, of->kind) > 0.0f;
+    count = trails ? 4 * count : count;
     if (!sums_init(&s, (size_t)count)) {
         sums_finish(&s, NULL, out);
         return false;
@@ -172,12 +176,12 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
     const double origin[3] = {0.0, 0.0, 0.0};
     const core_drift drift = core_drift_at(1000.0, 7);
     const core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
-    column c = {.cloud = &cloud, .fields = fields_of(of, coverage)};
+    column c = {.cloud = &cloud, .fields = fields};
     /* Ranks that can be cloud, evenly; the rest of the sky is clear. */
     const velum_profile profile = velum_profile_of(of->slot, c.fields);
-    const float sky = fminf(coverage * profile.coverage_scale, 1.0f);
+    const float sky = trails ? 1.0f : fminf(coverage * profile.coverage_scale, 1.0f);
     for (int i = 0; i < count; i++) {
-        c.rank = 1.0f - sky * ((float)i + 0.5f) / (float)count;
+        c.rank = trails ? -1.0f : 1.0f - sky * ((float)i + 0.5f) / (float)count;
         for (uint32_t axis = 0; axis < 3; axis++) {
             c.foot[axis] = 1.0e5f * velum_hash_unit(velum_hash_2((uint32_t)i, axis));
         }
