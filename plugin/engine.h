@@ -79,8 +79,6 @@ uint32_t pipelines_reference_lanes(const gpu *g);
 velum_result pipelines_add_study(pipelines *p, gpu *g);
 /* [control] The reference's, if they are not there yet. */
 velum_result pipelines_add_reference(pipelines *p, gpu *g);
-/* A variant of PASS_FRINGED, made when a frame first has such weather. False: the device refuses. */
-bool pipelines_want(pipelines *p, gpu *g, pass which);
 /* The tracer for what a frame has, made when it is first asked for. Null: the device refuses. */
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed);
 void pipelines_finish(pipelines *p, gpu *g);

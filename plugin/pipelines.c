@@ -243,15 +243,9 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
     return create_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
-/* Those that a frame makes when it first needs them. */
-static bool is_later(pass which) {
-    bool closed = (variant_of(which) & PASS_CLOSED) != 0;
-    return !is_resolve(which) && (variant_of(which) & PASS_FRINGED || is_of(which, PASS_MARCH_STUDY) ||
-                                  (is_of(which, PASS_SHADOW) && closed));
-}
-
-bool pipelines_want(pipelines *p, gpu *g, pass which) {
-    return p->pipeline[which] || create_pipeline(p, g, which);
+/* Those that are made with the first eye that wants them, and those that nothing asks for. */
+static bool is_left_out(pass which) {
+    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && variant_of(which) & PASS_CLOSED);
 }
 
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {
@@ -300,7 +294,7 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
     for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
-        ok = is_later((pass)i) || create_pipeline(p, g, (pass)i);
+        ok = is_left_out((pass)i) || create_pipeline(p, g, (pass)i);
     }
     if (!ok) {
         pipelines_finish(p, g);
@@ -311,8 +305,9 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
 
 velum_result pipelines_add_study(pipelines *p, gpu *g) {
     bool ok = true;
-    for (uint32_t kind = 0; ok && kind <= PASS_MIXED; kind++) {
-        ok = pipelines_want(p, g, (pass)(PASS_MARCH_STUDY + kind));
+    for (uint32_t kind = 0; ok && kind < PASS_VARIANTS; kind++) {
+        const pass which = (pass)(PASS_MARCH_STUDY + kind);
+        ok = kind & PASS_CLOSED || p->pipeline[which] || create_pipeline(p, g, which);
     }
     return ok ? VELUM_OK : gpu_result(g);
 }

@@ -140,8 +140,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
                         "record_shadow: frame.centre_ecef_m: no place on the earth");
     }
     const pass which = (pass)(PASS_SHADOW + (blocks_mix(e) ? PASS_MIXED : 0) + (block.table[3] ? PASS_FRINGED : 0));
-    if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1]) ||
-        !pipelines_want(&e->passes, g, which)) {
+    if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1])) {
         return gpu_result(g);
     }
     if (!frame_uniform(e, &block, sizeof block, &offsets[0]) || !frame_uniform(e, &none, sizeof none, &offsets[1])) {

@@ -455,13 +455,6 @@ static march_passes march_of(const eye *y) {
     return (march_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed)};
 }
 
-static bool want_passes(eye *y) {
-    engine *e = y->e;
-    const march_passes which = march_of(y);
-    return pipelines_want(&e->passes, &e->g, which.march) &&
-           (which.light == PASS_COUNT || pipelines_want(&e->passes, &e->g, which.light));
-}
-
 /* Rays; the light of the places that they have found; both together. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block) {
     engine *e = v->eye->e;
@@ -548,7 +541,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
     const block_size side = block_of(y->plan.ray_rate);
-    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h) || !want_passes(y)) {
+    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
     }
     camera now = camera_of(e, &f);
