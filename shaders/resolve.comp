@@ -40,6 +40,8 @@ const float trusted = 0.15, doubted = 1.0;
 const float travel_m = 2.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
+/* So that what has none can be negative. */
+const float least_samples = 1e-3;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
  * none; nor on where history has moved to where all stands. */
@@ -54,10 +56,12 @@ struct cloud_pixel {
 };
 
 /* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times
- * distance / distance_unit_m, and samples: filters may mix them, as they do light. */
+ * distance / distance_unit_m, and samples: filters may mix them, as they do light. Where the host's depth ended the ray,
+ * samples are kept negative. */
 struct history_place {
     vec2 pixel; /* of that frame, from its upper left corner */
     float samples;
+    bvec2 ended; /* any of the pixels there by the host's depth; all */
     float distance_m; /* how far along the ray what is held there would be; 0: nothing is */
     float held_m; /* the same; nothing_m(): as good as nothing is */
     bool known; /* within that picture */
@@ -89,7 +93,13 @@ history_place history_at(view_ray ray, float distance_m) {
     /* From where the eye is now. */
     p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
     p.held_m = opacity > least_opacity && p.distance_m > 0.0 ? min(p.distance_m, nothing_m()) : nothing_m();
-    p.samples = data.y;
+    p.samples = abs(data.y);
+    p.ended = bvec2(false);
+    if (has_depth) {
+        vec4 around = textureGather(history_data_in, at, 1);
+        p.ended = bvec2(any(lessThan(around, vec4(0.0))), all(lessThan(around, vec4(0.0))));
+        p.samples = dot(abs(around), vec4(0.25));
+    }
     return p;
 }
 
@@ -122,7 +132,8 @@ vec4 history_light(vec2 pixel, vec2 size) {
                  max(middle, max(max(left, right), max(over, under))));
 }
 
-cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
+/* `hit_m`: the host's surface; below 0: none. */
+cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
@@ -145,19 +156,52 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     float near_m = nothing_m();
     float far_m = 0.0;
     float blend = 0.0;
-    for (int k = own || !(moves || first) ? 4 : 0; k < 4; ++k) {
+    float end_m = hit_m >= 0.0 ? min(hit_m, nothing_m()) : nothing_m();
+    vec4 mixed = vec4(0.0);
+    float weights = 0.0;
+    bool fits = false; /* a ray has ended as far away as the pixel does */
+    for (int k = own || !(moves || first || has_depth) ? 4 : 0; k < 4; ++k) {
         ivec2 there = clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last);
         vec4 light = texelFetch(march_light, there, 0);
         float distance_m = texelFetch(march_distance, there, 0).r;
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
-        blend += share.x * share.y * (1.0 - light.a) * distance_m;
+        float weight = share.x * share.y;
+        bool fit = true;
+        if (has_depth) {
+            ivec2 of_ray = min(there * side + ray_turn(there.y), ivec2(view.size.xy) - 1);
+            float ray_end_m = host_distance(of_ray, ray);
+            fit = alike(ray_end_m >= 0.0 ? min(ray_end_m, nothing_m()) : nothing_m(), end_m);
+            weight = max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
+            mixed += weight * light;
+            weights += weight;
+        }
+        blend += weight * (1.0 - light.a) * distance_m;
         distance_m = distance_m > 0.0 ? distance_m : nothing_m();
-        low = min(low, light);
-        high = max(high, light);
-        near_m = min(near_m, distance_m);
-        far_m = max(far_m, distance_m);
+        if (has_depth && fit && !fits) {
+            /* What those before it saw lies elsewhere. */
+            low = high = light;
+            near_m = far_m = distance_m;
+        }
+        bool counts = !has_depth || fit || !fits;
+        low = counts ? min(low, light) : low;
+        high = counts ? max(high, light) : high;
+        near_m = counts ? min(near_m, distance_m) : near_m;
+        far_m = counts ? max(far_m, distance_m) : far_m;
+        fits = fits || fit;
+    }
+    if (has_depth && !own && weights > 0.0) {
+        fresh.light = mixed / weights;
+        blend /= weights;
     }
     fresh.distance_m = blend > 0.0 ? distance_in(blend, 1.0 - fresh.light.a) : fresh.distance_m;
+    if (has_depth && !own && !fits && fresh.distance_m > end_m) {
+        /* Rays have passed beside what is in sight here, and found what lies behind it. */
+        fresh.light = vec4(0.0, 0.0, 0.0, 1.0);
+        fresh.distance_m = 0.0;
+        low = high = fresh.light;
+    }
+    near_m = min(near_m, end_m);
+    far_m = min(far_m, end_m);
     if (first) {
         return fresh;
     }
@@ -166,7 +210,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     place.pixel = vec2(pixel) + 0.5;
     place.known = true;
     if (moves) {
-        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
+        float fresh_m = min(fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m(), end_m);
         near_m = own ? fresh_m : near_m;
         far_m = own ? fresh_m : far_m;
         /* What stood where the nearest would have, or the farthest, and is there by its own distance too; of two
@@ -188,6 +232,19 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         }
         place.known = is_near || (far.known && (is_same || (is_seen && is_far)));
     }
+    if (has_depth) {
+        if (!moves) {
+            vec2 data = texelFetch(history_data_in, pixel, 0).rg;
+            float opacity = 1.0 - texelFetch(history_in, pixel, 0).a;
+            float held_m = distance_in(data.x, opacity) * distance_unit_m;
+            place.held_m = opacity > least_opacity && held_m > 0.0 ? held_m : nothing_m();
+            place.ended = bvec2(data.y < 0.0);
+        }
+        /* Cloud behind what is in sight here; what was in sight there and has hidden what is now; or both. */
+        bool behind = place.held_m < nothing_m() && place.held_m > 1.02 * end_m;
+        bool hidden = place.ended.x && (hit_m < 0.0 || (!place.ended.y && (own || fits)));
+        place.known = place.known && !behind && !hidden;
+    }
     if (!place.known) {
         return fresh;
     }
@@ -199,7 +256,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
         vec2 data = texelFetch(history_data_in, pixel, 0).rg;
         old.light = texelFetch(history_in, pixel, 0);
         old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
-        old.samples = data.y;
+        old.samples = abs(data.y);
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
     float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.drifted.w);
@@ -210,7 +267,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray) {
     ivec2 old_pixel = ivec2(place.pixel);
     for (int k = !own && old.samples < 0.5 ? 0 : 9; k < 9; ++k) {
         ivec2 there = clamp(old_pixel + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(size) - 1);
-        float seen = texelFetch(history_data_in, there, 0).g < 0.5 ? 0.0 : 1.0;
+        float has = texelFetch(history_data_in, there, 0).g;
+        float seen = abs(has) < 0.5 || (has_depth && (has < 0.0) != (hit_m >= 0.0)) ? 0.0 : 1.0;
         beside += seen * texelFetch(history_in, there, 0);
         rays_beside += seen;
     }
@@ -278,16 +336,16 @@ void main() {
         return;
     }
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
-    cloud_pixel cloud = resolve_cloud(pixel, ray);
+    float hit = has_depth ? host_distance(pixel, ray) : -1.0;
+    bool host = hit >= 0.0;
+    cloud_pixel cloud = resolve_cloud(pixel, ray, hit);
     /* As 16 bits hold them: distance is got back by opacity, and what is only handed on must not wander. */
     float held = unpackHalf2x16(packHalf2x16(vec2(cloud.light.a, 0.0))).x;
     float product = (1.0 - held) * cloud.distance_m / distance_unit_m;
     product = unpackHalf2x16(packHalf2x16(vec2(min(product, 65504.0), 0.0))).x;
     imageStore(history_out, pixel, vec4(cloud.light.rgb, held));
-    imageStore(history_data_out, pixel, vec4(product, cloud.samples, 0.0, 0.0));
+    imageStore(history_data_out, pixel, vec4(product, host ? -max(cloud.samples, least_samples) : cloud.samples, 0.0, 0.0));
 
-    float hit = has_depth ? host_distance(pixel, ray) : -1.0;
-    bool host = hit >= 0.0;
     float ground = ground_distance(ray.origin, ray.direction);
     hit = host ? hit : ground;
     bool solid = hit >= 0.0;

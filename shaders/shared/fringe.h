@@ -3,8 +3,9 @@
  *
  * Precipitation falls from columns that are thick enough, as streaks that lag behind the cloud where the wind is weaker
  * below (parabolas; Marshall 1953), and evaporates on its way. Of Sundqvist's (1988) evaporation, in proportion to the
- * dryness of the air and to the square root of the rate, 1e-5 s-1 (kg m-2 s-1)^-1/2, in air of 1.1 kg/m3 whose relative
- * humidity falls by 1 in 2500 m below the base, follows in closed form: the square root of the rate falls by the share
+ * dryness of the air and to the square root of the rate, 1e-5 s-1 (kg m-2 s-1)^-1/2 (the upper of CAM3's values for
+ * sheets; Collins et al. 2004, table C.1), in air of 1.1 kg/m3 whose relative humidity falls by 1 in 2500 m below the
+ * base, follows in closed form: the square root of the rate falls by the share
  * (depth / reach)^2, where reach = 3900 m R^1/4, R in mm/h at the base. What has not come down by then is virga. */
 #ifndef VELUM_FRINGE_H
 #define VELUM_FRINGE_H
@@ -32,8 +33,8 @@ VELUM_STRUCT(velum_fringe) {
 
 /* Extinction of 1 mm/h, 1/m, and its power of the rate: pi N0 / L^3 of exponential spectra N0 exp(-L D), L as R^-0.21
  * (efficiency 2). Showers and drizzle: Joss et al. 1968; rain: Marshall & Palmer 1948. Snow: Gunn & Marshall 1958, of
- * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: ten times the
- * rain's, as is seen (Rasmussen et al. 1999). */
+ * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: nine times the
+ * rain's, and what Stallabrass (1985) measured, 10.36e-3 C^0.78 of C g/m3, falling at 1.2 m/s. */
 #define VELUM_SHOWER_1_M 1.629e-4f
 #define VELUM_RAIN_1_M 3.647e-4f
 #define VELUM_DRIZZLE_1_M 5.089e-4f

@@ -364,6 +364,7 @@ velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double t
                              .tan_top = (float)c->tan_y,
                              .width = out->width,
                              .height = out->height,
+                             .depth_convention = VELUM_DEPTH_DISTANCE,
                              .luminance_scale = 1.0f};
     memcpy(view.position_ecef_m, c->position_m, sizeof view.position_ecef_m);
     memcpy(view.right_ecef, c->right, sizeof view.right_ecef);
@@ -375,6 +376,7 @@ velum_result stage_draw(stage *s, stage_view *v, const stage_camera *c, double t
                                  .luminance_rgb = out->rgb,
                                  .transmittance_rgb = out->transmittance,
                                  .distance_m = out->distance,
+                                 .depth = v->depth,
                                  .variance = out->variance,
                                  .width = out->width,
                                  .height = out->height};

@@ -38,6 +38,7 @@ typedef struct stage_view {
     velum_eye *eye;
     velum_view *view;
     uint32_t width, height;
+    const float *depth; /* metres along the rays, 0: nothing there; null: the host gives none */
 } stage_view;
 
 /* What one frame took. */

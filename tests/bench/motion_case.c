@@ -25,6 +25,7 @@ struct motion {
     void (*move)(const motion *m, const stage_camera *c, double t_s, stage_camera *out);
     bool (*find_start)(playback *p, motion *m, const stage_camera *c); /* null: where the camera stands */
     bool is_cut;                                                       /* each compared frame is judged by itself */
+    bool has_peak;                                                     /* the host draws one and gives its depth */
     uint32_t compared[COMPARED_MOST]; /* frames since the cut that begins, the cut's own being 1; ends with 0 */
     double start_m;                   /* along the flight, at frame 0 */
 };
@@ -49,6 +50,56 @@ static void fly(const motion *m, const stage_camera *c, double t_s, stage_camera
     *out = *c;
     for (int i = 0; i < 3; i++) {
         out->position_m[i] += (m->start_m + FLIGHT_M_S * t_s) * c->forward[i];
+    }
+}
+
+/* A peak beside the way: a cone of so much width to its height. Over the right, up and forward of the camera at the
+ * start, m. */
+#define PEAK_SLOPE 0.45
+static const double peak_m[3] = {200.0, 150.0, 900.0};
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Way to the peak along a ray, from a place, in those axes; 0: it is missed. */
+static double peak_along_m(const double from_m[3], const double ray[3]) {
+    const double k2 = PEAK_SLOPE * PEAK_SLOPE;
+    double q[3];
+    for (int i = 0; i < 3; i++) {
+        q[i] = from_m[i] - peak_m[i];
+    }
+    const double a = ray[0] * ray[0] + ray[2] * ray[2] - k2 * ray[1] * ray[1];
+    const double b = q[0] * ray[0] + q[2] * ray[2] - k2 * q[1] * ray[1];
+    const double d = b * b - a * (q[0] * q[0] + q[2] * q[2] - k2 * q[1] * q[1]);
+    double nearest = 0.0;
+    for (int side = -1; side <= 1 && d > 0.0; side += 2) {
+        const double t = (-b + side * sqrt(d)) / a;
+        if (t > 0.0 && q[1] + t * ray[1] < 0.0 && (nearest == 0.0 || t < nearest)) {
+            nearest = t;
+        }
+    }
+    return nearest;
+}
+
+/* What the host would give of the peak, as seen by `now`. */
+static void draw_peak(const stage_camera *start, const stage_camera *now, uint32_t width, uint32_t height, float *out) {
+    double moved[3];
+    for (int i = 0; i < 3; i++) {
+        moved[i] = now->position_m[i] - start->position_m[i];
+    }
+    const double from_m[3] = {dot(moved, start->right), dot(moved, start->up), dot(moved, start->forward)};
+    for (uint32_t i = 0; i < width * height; i++) {
+        const double x = now->tan_x * (2.0 * (i % width + 0.5) / width - 1.0);
+        const double y = now->tan_y * (1.0 - 2.0 * (i / width + 0.5) / height);
+        double world[3];
+        for (int axis = 0; axis < 3; axis++) {
+            world[axis] = now->forward[axis] + x * now->right[axis] + y * now->up[axis];
+        }
+        const double length = sqrt(dot(world, world));
+        const double ray[3] = {dot(world, start->right) / length, dot(world, start->up) / length,
+                               dot(world, start->forward) / length};
+        out[i] = (float)peak_along_m(from_m, ray);
     }
 }
 
@@ -116,6 +167,7 @@ static const motion motions[] = {
      .move = fly,
      .find_start = find_way_out,
      .compared = {33, 38, 46}},
+    {.name = "past_a_peak", .scene = "broken_between", .move = fly, .has_peak = true, .compared = {30, 60}},
     {.name = "cut",
      .scene = "broken_below",
      .wind_east_m_s = 12.0f,
@@ -213,13 +265,17 @@ static bool needs_every_pixel(const motion *m, uint32_t frame, bool *out_begins)
     return false;
 }
 
-static bool play(playback *p, const motion *m, const stage_camera *c, outcome *o) {
+static bool play(playback *p, const motion *m, const stage_camera *c, float *depth, outcome *o) {
     const uint32_t *at = m->compared;
+    p->preset.v.depth = p->every_pixel.v.depth = p->truth.v.depth = depth;
     for (uint32_t frame = 1; *at; frame++) {
         const double t_s = FRAME_S * (frame - 1);
         stage_camera now;
         bool begins = false;
         m->move(m, c, t_s, &now);
+        if (depth) {
+            draw_peak(c, &now, p->b->width, p->b->height, depth);
+        }
         if ((frame % 8 == 0 && !stage_prepare(&p->s, &now, p->b->width, t_s)) ||
             !playback_draw(p, &p->preset, &now, t_s, frame == 1 ? VELUM_VIEW_CUT : 0)) {
             return false;
@@ -269,12 +325,15 @@ static bool motion_case(bench *b) {
     playback p = {.b = b};
     stage_camera c;
     memset(&o, 0, sizeof o);
-    bool ok = m.name && playback_init(&p, b) && playback_load(&p, ACCURACY_SCENES, m.scene, m.wind_east_m_s, &c) &&
-              (!m.find_start || m.find_start(&p, &m, &c)) && play(&p, &m, &c, &o);
+    float *depth = m.has_peak ? calloc((size_t)b->width * b->height, sizeof *depth) : NULL;
+    bool ok = m.name && (depth || !m.has_peak) && playback_init(&p, b) &&
+              playback_load(&p, ACCURACY_SCENES, m.scene, m.wind_east_m_s, &c) &&
+              (!m.find_start || m.find_start(&p, &m, &c)) && play(&p, &m, &c, depth, &o);
     if (ok) {
         report(b, &m, &o);
     }
     playback_finish(&p);
+    free(depth);
     return ok;
 }
 
@@ -284,6 +343,7 @@ const bench_case bench_motion_cases[] = {
     {"motion_flying", "the same, level flight at 250 m/s between broken cumulus", motion_case},
     {"motion_into_cloud", "the same, flying into a cloud", motion_case},
     {"motion_out_of_cloud", "the same, flying out of a cloud", motion_case},
+    {"motion_past_a_peak", "the same as motion_flying, past a peak whose depth the host gives", motion_case},
     {"motion_cut", "the same, 1, 2, 4, 8 and 16 frames after a cut", motion_case},
     {NULL, NULL, NULL},
 };
