@@ -30,6 +30,9 @@ enum {
 /* Octaves of samples from frame to frame that tell of it, and share of what they tell in what is believed. */
 #define TELLING_STEPS 0.4f
 #define TELLING_SHARE 0.3f
+/* Of the way back to the first guess in a frame that waits with all steps: nothing tells of the power then, and one
+ * that was learnt too low, from a scene that changed, would have it wait for ever. */
+#define FORGET 0.02f
 /* Share of a new frame in the means of a track. */
 #define SMOOTH 0.06f
 /* Octaves from the median of three. */
@@ -133,6 +136,16 @@ void governor_reset(governor *g) {
     g->epoch++;
 }
 
+/* What is known of the cost stays true at the steps that it was learnt at. */
+static void believe_power(governor *g, float power, float steps) {
+    float shift = (g->power - power) * steps;
+    g->power = power;
+    g->cost.value += shift;
+    for (int i = 0; i < 3; i++) {
+        g->cost.newest[i] += shift;
+    }
+}
+
 /* From two frames in a row with quite different steps. */
 static void learn_power(governor *g, const governor_frame *frame) {
     const governor_frame *last = &g->newest;
@@ -148,14 +161,8 @@ static void learn_power(governor *g, const governor_frame *frame) {
     if (told < POWER_LEAST - POWER_SLACK || told > POWER_MOST + POWER_SLACK) {
         return;
     }
-    float before = g->power;
-    g->power += TELLING_SHARE * (fminf(fmaxf(told, POWER_LEAST), POWER_MOST) - before);
-    /* What is known of the cost stays true at the steps that it was learnt at. */
-    float shift = (before - g->power) * steps_at(last->setting.preset);
-    g->cost.value += shift;
-    for (int i = 0; i < 3; i++) {
-        g->cost.newest[i] += shift;
-    }
+    const float held = fminf(fmaxf(told, POWER_LEAST), POWER_MOST);
+    believe_power(g, g->power + TELLING_SHARE * (held - g->power), steps_at(last->setting.preset));
 }
 
 void governor_learn(governor *g, const governor_frame *frame) {
@@ -202,6 +209,7 @@ static void share_out(governor *g, float octaves) {
             g->since_denser = 0;
         } else if (g->density < density_of(g->most.ray_rate)) {
             g->doing = GOVERNOR_WAITS;
+            believe_power(g, g->power + FORGET * fmaxf(POWER_FIRST - g->power, 0.0f), g->steps);
         }
     }
     g->steps = fminf(fmaxf((octaves - (float)g->density) / g->power, 0.0f), steps_of(finest));

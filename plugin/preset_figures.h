@@ -14,7 +14,7 @@ typedef struct preset_figures {
 
 /* Low, medium, high, ultra. */
 static const preset_figures preset_figures_of[PRESETS] = {
-    {0.126f, 1.7f}, {0.124f, 2.1f}, {0.122f, 3.3f}, {0.123f, 4.8f}};
+    {0.124f, 1.6f}, {0.123f, 2.0f}, {0.122f, 3.1f}, {0.124f, 4.4f}};
 
 /* The cheapest whose error is not above this; where there is none, the cheapest of those with the least. */
 static inline uint32_t preset_for_error(float error) {

@@ -15,6 +15,7 @@ typedef struct rig {
     double east[3], north[3], up[3];
     double time_s;
     float light[PIXELS * 3], through[PIXELS * 3];
+    const float *depth_m; /* of the host; null: none */
 } rig;
 
 static void rig_init(rig *r, const velum_layer *layer) {
@@ -41,6 +42,7 @@ static void draw(rig *r, double height_m, double climb_rad, const float jitter[2
     camera.flags |= flags;
     camera.jitter_x = jitter[0];
     camera.jitter_y = jitter[1];
+    camera.depth_convention = VELUM_DEPTH_DISTANCE;
     const velum_frame_info frame = fixture_frame(sun, r->time_s, VELUM_ATMOSPHERE_NONE);
     velum_eye_frame eye = {.struct_size = sizeof eye, .eye = r->f.eye};
     memcpy(eye.position_ecef_m, position, sizeof position);
@@ -49,6 +51,7 @@ static void draw(rig *r, double height_m, double climb_rad, const float jitter[2
                                  .frame = &camera,
                                  .luminance_rgb = r->light,
                                  .transmittance_rgb = r->through,
+                                 .depth = r->depth_m,
                                  .width = W,
                                  .height = H};
     assert_true(r->f.standalone_api->render(r->f.engine, &frame, &eye, 1, 0, &pixels, 1, 0) >= 0);
@@ -111,8 +114,44 @@ static void jitter_carries_nothing_away(void **state) {
     rig_finish(&r);
 }
 
+/* From under thick cloud, a board of the host's goes through the picture before it: nothing of the cloud lies over the
+ * board and nothing of the board's clear air in the cloud, whether all else stands or the eye sinks. */
+static void depth_parts_what_is_before_from_what_is_behind(void **state) {
+    (void)state;
+    static const float steady[2] = {0.0f, 0.0f};
+    static float depth_m[PIXELS];
+    static rig r;
+    const velum_layer cloud = fixture_slab(16.0f);
+    for (int sinks = 0; sinks < 2; sinks++) {
+        rig_init(&r, &cloud);
+        r.depth_m = depth_m;
+        double height_m = (double)cloud.base_m - 100.0;
+        double over = 0.0, under = 0.0;
+        for (int frame = 0; frame < 40; frame++) {
+            const int edge = (frame < 20 ? 3 * frame : 3 * (40 - frame)) % W;
+            for (int i = 0; i < PIXELS; i++) {
+                depth_m[i] = i % W < edge ? 20.0f : 0.0f;
+            }
+            draw(&r, height_m, 0.8, steady, frame == 0 ? VELUM_VIEW_CUT : 0);
+            r.time_s += sinks ? FRAME_S : 0.0;
+            height_m -= sinks ? 1.0 : 0.0;
+            for (int i = 0; i < PIXELS; i++) {
+                const double through = (double)r.through[3 * i];
+                over = i % W < edge ? fmax(over, 1.0 - through) : over;
+                under = i % W < edge ? under : fmax(under, through);
+            }
+        }
+        print_message("board, %s: %.4f of cloud over it, %.4f of its air beside it\n", sinks ? "sinking" : "standing",
+                      over, under);
+        assert_true(over <= 1e-3);
+        assert_true(under <= 0.01);
+        rig_finish(&r);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
-                                       cmocka_unit_test(jitter_carries_nothing_away)};
+                                       cmocka_unit_test(jitter_carries_nothing_away),
+                                       cmocka_unit_test(depth_parts_what_is_before_from_what_is_behind)};
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }
