@@ -179,17 +179,19 @@ int genera_run(program *p) {
     bool ok = page != NULL;
     if (ok) {
         fprintf(page,
-                "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g%s\n\non %s. Each "
+                "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g%s\n\nEach "
                 "sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to bottom; from "
                 "below, within and above the layer from left to right; of each pair left preset high, right the "
                 "reference, at the same exposure. Figures: error of means over 8 x 8 pixels, bias of the whole picture "
                 "(noise of the reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.cached ? " --cached" : "",
-                p->s.device_name, hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg);
+                hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg);
     }
     for (int i = 0; ok && i < GENERA; i++) {
         ok = draw_genus(p, &genera[i], page);
     }
+    /* The device is known once there is an engine. */
+    ok = ok && fprintf(page, "\nMade on %s.\n", p->s.device_name) > 0;
     ok = chart_finish(page) && ok;
     files_remove_empty(&folder);
     return ok ? 0 : 1;
