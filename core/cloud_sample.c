@@ -56,14 +56,20 @@ float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fi
     return detail_of(cloud, fields, (const float(*)[4])cloud->phases.fine, cloud->fine_stretch, point_m);
 }
 
-/* Where the noise of the column at a point is taken: on the ellipsoid, moved as the trails of cirrus are. */
-static void foot_of(const core_cloud_noise *cloud, const velum_slot_fields *f, const float point_m[3],
-                    const float normal[3], float height_m, const float moved_m[3], float foot_m[3]) {
-    const velum_noise_point p = velum_trail(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
-    const float trail_m[3] = {p.x, p.y, p.z};
+/* The foot of a point's column, moved. */
+static void foot_of(const float point_m[3], const float normal[3], float height_m, const float moved_m[3],
+                    float foot_m[3]) {
     for (int axis = 0; axis < 3; axis++) {
-        foot_m[axis] = point_m[axis] + moved_m[axis] - normal[axis] * height_m + trail_m[axis];
+        foot_m[axis] = point_m[axis] + moved_m[axis] - normal[axis] * height_m;
     }
+}
+
+/* Rank of the column over a foot, at a height: the trails of cirrus bend it. */
+static float rank_at(const core_cloud_noise *cloud, const velum_slot_fields *f, const float foot_m[3],
+                     const float normal[3], float height_m) {
+    const velum_noise_point p = velum_trail(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
+    const float bent_m[3] = {foot_m[0] + p.x, foot_m[1] + p.y, foot_m[2] + p.z};
+    return core_cloud_rank(cloud, f, bent_m);
 }
 
 static const float unmoved_m[3] = {0.0f, 0.0f, 0.0f};
@@ -77,8 +83,8 @@ float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fiel
         return velum_slot_extinction(cloud->slot, *fields, height_m, 1.0f, 0.0f, 0.5f);
     }
     float foot[3];
-    foot_of(cloud, fields, point_m, normal, height_m, unmoved_m, foot);
-    float rank = core_cloud_rank(cloud, fields, foot);
+    foot_of(point_m, normal, height_m, unmoved_m, foot);
+    float rank = rank_at(cloud, fields, foot, normal, height_m);
     if (velum_excess(velum_profile_of(cloud->slot, *fields), fields->coverage, rank) <= 0.0f) {
         return 0.0f;
     }
@@ -93,9 +99,9 @@ static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, 
         return 0.0f;
     }
     float foot[3];
-    foot_of(cloud, f, point_m, normal, height_m, unmoved_m, foot);
+    foot_of(point_m, normal, height_m, unmoved_m, foot);
     velum_profile profile = velum_profile_of(cloud->slot, *f);
-    float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
+    float e = velum_excess(profile, f->coverage, rank_at(cloud, f, foot, normal, height_m));
     float lumps[2][4];
     for (int i = 0; i < 8; i++) {
         lumps[i / 4][i % 4] = cloud->phases.lump[i / 4][i % 4] * VELUM_SCUD_LUMPS;
@@ -114,9 +120,9 @@ static float fall_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f,
     float lag_s = velum_fall_lag_s(*g, f->base_m - height_m);
     const float moved[3] = {f->wind_x_m_s * lag_s, f->wind_y_m_s * lag_s, f->wind_z_m_s * lag_s};
     float foot[3];
-    foot_of(cloud, f, point_m, normal, height_m, moved, foot);
+    foot_of(point_m, normal, height_m, moved, foot);
     velum_profile profile = velum_profile_of(cloud->slot, *f);
-    float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, foot));
+    float e = velum_excess(profile, f->coverage, rank_at(cloud, f, foot, normal, 0.0f));
     float streak = velum_fall_streak(core_cloud_lump(cloud, f, foot), fine ? core_cloud_fine(cloud, f, foot) : 0.5f);
     return velum_fall_1_m(profile, *f, *g, e, height_m, streak);
 }

@@ -30,7 +30,7 @@ typedef struct core_oracle {
 typedef struct core_oracle_point {
     core_geodetic place;
     float slot_extinction_1_m[VELUM_SLOT_COUNT];
-    float extinction_1_m; /* of cloud, scud and precipitation */
+    float extinction_1_m; /* of cloud, its transition band, scud and precipitation */
     float water_g_m3;     /* of cloud proper, at the genus's usual radius */
     float coverage;       /* greatest of the layers over the place */
     float base_m, top_m;  /* MSL, of the lowest layer over the place; 0, 0: none */

@@ -379,11 +379,11 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
     }
     if (scud > 0.0f) {
         slot->hem_m = with_spare(scud_m);
-        slot->max_hem_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
+        slot->max_scud_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
     }
     if (transition_m > 0.0f) {
         core_span_widen(&slot->hem_m, with_spare(band_m));
-        slot->max_hem_1_m += VELUM_BAND_SHARE * slot->max_extinction_1_m;
+        slot->max_band_1_m = VELUM_BAND_SHARE * slot->max_extinction_1_m;
     }
     if (fall > 0.0f) {
         fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M);

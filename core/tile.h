@@ -25,7 +25,7 @@ typedef struct core_tile_slot {
     float max_coverage;
     float max_extinction_1_m;
     velum_span_m hem_m, fall_m; /* heights of what is there of either, HAE; low >= high: nothing */
-    float max_hem_1_m, max_fall_1_m;
+    float max_scud_1_m, max_band_1_m, max_fall_1_m;
 } core_tile_slot;
 
 typedef struct core_tile {

@@ -100,6 +100,7 @@ static void fill_part(uint32_t part, velum_span_m span, float most_1_m, velum_ey
         bounds[1] = span.high;
         bounds[2] = most_1_m;
         out->span[0] = fminf(out->span[0], span.low);
+        out->span[1] = fmaxf(out->span[1], span.high);
     }
 }
 
@@ -117,7 +118,7 @@ static void fill_bounds(const tiles *t, uint32_t mask, velum_eye_block *out) {
             out->span[1] = first ? bounds[1] : fmaxf(out->span[1], bounds[1]);
             first = false;
         }
-        fill_part(VELUM_PART_HEM + slot, t->hem_m[slot], t->most_hem_1_m[slot], out);
+        fill_part(VELUM_PART_HEM + slot, t->hem_m[slot], t->most_scud_1_m[slot] + t->most_band_1_m[slot], out);
         fill_part(VELUM_PART_FALL + slot, t->fall_m[slot], t->most_fall_1_m[slot], out);
     }
 }

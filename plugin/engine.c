@@ -96,7 +96,7 @@ static velum_result check_lend(const velum_vulkan_lend *lend, const log_sink *si
     return check.result;
 }
 
-velum_result engine_create(const velum_vulkan_lend *lend, world *w, velum_engine **out) {
+velum_result engine_create(const velum_vulkan_lend *lend, world *w, bool arrays, velum_engine **out) {
     const log_sink sink = {lend->log, lend->log_context};
     velum_result result = check_lend(lend, &sink);
     if (result < 0) {
@@ -118,7 +118,7 @@ velum_result engine_create(const velum_vulkan_lend *lend, world *w, velum_engine
         result = log_fail(&sink, VELUM_ERROR_OUT_OF_MEMORY, "engine", "create_engine: no memory for the noise");
         goto error;
     }
-    result = pipelines_init(&e->passes, &e->g, lend->pipeline_cache, lend->pipeline_cache_size);
+    result = pipelines_init(&e->passes, &e->g, lend->pipeline_cache, lend->pipeline_cache_size, arrays);
     if (result < 0) {
         goto error;
     }

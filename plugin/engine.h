@@ -72,7 +72,7 @@ typedef struct pipelines {
     VkSampler linear, repeat, nearest;
 } pipelines;
 
-velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size);
+velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays);
 /* Invocations of a work group of PASS_REFERENCE: on software devices one thread's vector. */
 uint32_t pipelines_reference_lanes(const gpu *g);
 /* [control] Of VELUM_EYE_STUDY, if they are not there yet. */
@@ -292,8 +292,8 @@ struct shadow {
     uint64_t bytes;
 };
 
-/* engine.c */
-velum_result engine_create(const velum_vulkan_lend *lend, world *w, velum_engine **out);
+/* engine.c. `arrays`: the host may give arrays of pictures. */
+velum_result engine_create(const velum_vulkan_lend *lend, world *w, bool arrays, velum_engine **out);
 velum_result engine_destroy(engine *e);
 velum_result engine_begin_frame(engine *e, const velum_frame_info *frame);
 velum_result engine_end_frame(engine *e);

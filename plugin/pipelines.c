@@ -244,8 +244,9 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
 }
 
 /* Those that are made with the first eye that wants them, and those that nothing asks for. */
-static bool is_left_out(pass which) {
-    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && variant_of(which) & PASS_CLOSED);
+static bool is_left_out(pass which, bool arrays) {
+    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && variant_of(which) & PASS_CLOSED) ||
+           (is_resolve(which) && variant_of(which) & PASS_LAYERED && !arrays);
 }
 
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {
@@ -269,7 +270,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
     return p->tracer[p->tracer_count++];
 }
 
-velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size) {
+velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T};
     static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B};
     static const int shadow_types[2] = {U, I};
@@ -294,7 +295,7 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
     for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
-        ok = is_left_out((pass)i) || create_pipeline(p, g, (pass)i);
+        ok = is_left_out((pass)i, arrays) || create_pipeline(p, g, (pass)i);
     }
     if (!ok) {
         pipelines_finish(p, g);

@@ -287,7 +287,7 @@ velum_result standalone_create(const velum_standalone_desc *desc, velum_engine *
                                         .api_version = VK_API_VERSION_1_3,
                                         .queue_family = s->family,
                                         .frames_in_flight = 1};
-        result = engine_create(&lend, w, out);
+        result = engine_create(&lend, w, false, out);
     }
     if (result < 0) {
         destroy_device(s);

@@ -132,7 +132,8 @@ static void note_fringe(tiles *t, uint32_t slot, const core_tile_slot *fields) {
     if (fields->hem_m.low < fields->hem_m.high) {
         t->fringes |= 1u << (VELUM_PART_HEM + slot);
         core_span_widen(&t->hem_m[slot], fields->hem_m);
-        t->most_hem_1_m[slot] = fmaxf(t->most_hem_1_m[slot], fields->max_hem_1_m);
+        t->most_scud_1_m[slot] = fmaxf(t->most_scud_1_m[slot], fields->max_scud_1_m);
+        t->most_band_1_m[slot] = fmaxf(t->most_band_1_m[slot], fields->max_band_1_m);
     }
     if (fields->fall_m.low < fields->fall_m.high) {
         t->fringes |= 1u << (VELUM_PART_FALL + slot);
@@ -186,7 +187,8 @@ static void resolve(tiles *t, const tiles_context *c) {
     t->mask = t->closing = t->fringes = 0;
     memset(t->hem_m, 0, sizeof t->hem_m);
     memset(t->fall_m, 0, sizeof t->fall_m);
-    memset(t->most_hem_1_m, 0, sizeof t->most_hem_1_m);
+    memset(t->most_scud_1_m, 0, sizeof t->most_scud_1_m);
+    memset(t->most_band_1_m, 0, sizeof t->most_band_1_m);
     memset(t->most_fall_1_m, 0, sizeof t->most_fall_1_m);
     t->standing = VELUM_OK;
     for (uint32_t i = 0; i < t->set.data_count; i++) {

@@ -39,7 +39,7 @@ typedef struct tiles {
     uint32_t fringes;                                        /* VELUM_PART_* + slot */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
     velum_span_m hem_m[VELUM_SLOT_COUNT], fall_m[VELUM_SLOT_COUNT];
-    float most_hem_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
+    float most_scud_1_m[VELUM_SLOT_COUNT], most_band_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
 } tiles;
 
 /* Where updates find what they need. */

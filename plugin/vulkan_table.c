@@ -45,7 +45,7 @@ static velum_result VELUM_CALL create_engine(const velum_vulkan_lend *lend, velu
         check_fail(&check, VELUM_ERROR_HANDLE, "lend.world: not a live world");
         return check.result;
     }
-    return engine_create(&l, w, out);
+    return engine_create(&l, w, true, out);
 }
 
 static velum_result VELUM_CALL get_pipeline_cache(velum_engine *handle, void *data, uint64_t *size) {

@@ -196,6 +196,8 @@ void main() {
         cloud_look(hit, memo, looking, at, STUDIED(study_base(is_short), false));
         velum_slot_fields f = hit.fields;
         float extinction = hit.extinction_1_m;
+        /* A band is crossed in a long step only where nothing else is left that the step may be gone back for. */
+        bool glides = FRINGED(hit.smooth_part && (part >= VELUM_PART_FALL || meets == 0u), false);
         bool within = hit.within;
         bool covered = hit.covered;
         samples += hit.sampled ? 1u : 0u;
@@ -231,14 +233,14 @@ void main() {
             allowed = 1.0e9;
             advance = 1.0e9;
             done = 0u;
-        } else if (found && !is_short && !uniform_layer && !hit.smooth_part) {
+        } else if (found && !is_short && !uniform_layer && !glides) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
-            short_until = found && !hit.smooth_part ? max(short_until, position + 0.6 * long_dt) : short_until;
+            short_until = found && !glides ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
             /* Beside a cloud, shorter ones: a long step would pass over its edge. */
             float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;

@@ -202,6 +202,10 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
     return max(min(clear, cover_valid), own_m);
 }
 
+/* Of the margin, over a change of coverage: both kinds' thresholds and what is carved off them differ by 1.2 at most,
+ * fullness is coverage over that in the storm's middle, taken as 0.3 at least. */
+const float storm_edge = 2.0 * 1.2 / 0.3;
+
 /* Distance over which a margin stays below 0, whatever fine noise carves. */
 float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, float margin, float z, float slope,
                    float rise, float run) {
@@ -215,6 +219,8 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float cover = max(f.coverage * p.coverage_scale, 1e-4);
     float sharp = velum_mixes ? 1.0 / max(eye.drift.x, 1.0 - eye.drift.x) : 1.0;
     float along_e = slope * sharp * eye.slots[slot].shape_0.w * run / (max(s.slowness, 1e-3) * cover) + s.fade / cover;
+    /* Towards the edge of a storm its kind falls as the square of fullness, and the profile with it. */
+    along_e += slot == VELUM_SLOT_STORM ? storm_edge * s.fade : 0.0;
     float along_lump = 2.0 * p.amplitude * view.march.z * eye.slots[slot].lump_0.w / max(s.slowness, 1e-3);
     along_lump *= velum_mixes ? 1.42 : 1.0;
     float clear = -(margin + VELUM_SLOPE_SLACK / cover + 0.012 * p.amplitude) / (1.2 * (along_z + along_e + along_lump));

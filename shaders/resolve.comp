@@ -97,8 +97,12 @@ history_place history_at(view_ray ray, float distance_m) {
     p.ended = bvec2(false);
     if (has_depth) {
         vec4 around = textureGather(history_data_in, at, 1);
-        p.ended = bvec2(any(lessThan(around, vec4(0.0))), all(lessThan(around, vec4(0.0))));
-        p.samples = dot(abs(around), vec4(0.25));
+        vec2 f = fract(p.pixel - 0.5);
+        vec4 weight = vec4(1.0 - f.x, f.x, f.x, 1.0 - f.x) * vec4(f.y, f.y, 1.0 - f.y, 1.0 - f.y);
+        bvec4 ends = lessThan(around, vec4(0.0));
+        bvec4 counts = greaterThan(weight, vec4(0.01));
+        p.ended = bvec2(any(bvec4(uvec4(ends) & uvec4(counts))), all(bvec4(uvec4(ends) | uvec4(not(counts)))));
+        p.samples = dot(abs(around), weight);
     }
     return p;
 }

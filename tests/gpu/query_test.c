@@ -281,11 +281,13 @@ static void thin_cloud(void **state) {
     }
 }
 
-/* From under the base, along rays of 2.5 km through rain, and through scud or a transition band just under the base. */
+/* Along rays of 2.5 km: from under the base through rain, scud and a transition band; and from over all tops through a
+ * band. */
 static void fringes(void **state) {
     (void)state;
-    static const char *const names[] = {"rain", "scud", "transition band"};
-    for (int kind = 0; kind < 3; kind++) {
+    static const char *const names[] = {"rain", "scud", "band under the base", "band over the tops"};
+    static const double heights_m[] = {500.0, 1330.0, 1180.0, 4250.0};
+    for (int kind = 0; kind < 4; kind++) {
         const bool rain = kind == 0;
         const bool scud = kind == 1;
         fixture f;
@@ -293,7 +295,7 @@ static void fringes(void **state) {
         velum_layer layer = layer_of(VELUM_GENUS_NS, 0.9f, 1500.0f, 4000.0f, 0.3f, 10.0f);
         layer.wind_east_m_s = 10.0f;
         layer.scud = scud ? 0.5f : 0.0f;
-        layer.transition_m = rain || scud ? 0.0f : 400.0f;
+        layer.transition_m = rain || scud ? 0.0f : kind == 2 ? 400.0f : 900.0f;
         layer.precipitation_mm_h = rain ? 12.0f : 0.0f;
         layer.precipitation = rain ? VELUM_PRECIPITATION_RAIN : VELUM_PRECIPITATION_NONE;
         fixture_commit(&f, &layer, 1);
@@ -303,7 +305,7 @@ static void fringes(void **state) {
         for (int i = 0; i < PIXELS; i++) {
             end_m[i] = (float)length_m;
         }
-        look(&f, rain ? 500.0 : scud ? 1330.0 : 1180.0, 0.0, rain ? 0.12f : 0.02f, end_m, &p);
+        look(&f, heights_m[kind], 0.0, rain ? 0.12f : 0.02f, end_m, &p);
         double worst = 0.0;
         double sum = 0.0;
         double least = 1.0;
