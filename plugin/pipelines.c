@@ -245,8 +245,11 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
 
 /* Those that are made with the first eye that wants them, and those that nothing asks for. */
 static bool is_left_out(pass which, bool arrays) {
-    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && variant_of(which) & PASS_CLOSED) ||
-           (is_resolve(which) && variant_of(which) & PASS_LAYERED && !arrays);
+    const uint32_t kind = variant_of(which);
+    const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);
+    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
+           (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
+           (is_resolve(which) && kind & PASS_LAYERED && !arrays);
 }
 
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {

@@ -451,7 +451,8 @@ static march_passes march_of(const eye *y) {
     if (plan_is_study(&y->plan)) {
         return (march_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT};
     }
-    const int closed = closes ? PASS_CLOSED : 0;
+    /* Rain mostly falls from closed sheets: with fringes there are no others. */
+    const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
     return (march_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed)};
 }
 
