@@ -75,6 +75,16 @@ float distance_in(float product, float opacity) {
     return opacity > 0.0 ? product / opacity : 0.0;
 }
 
+/* Where a ray ends whose host's surface is so far away; below 0: there is none. */
+float end_of(float hit_m) {
+    return hit_m >= 0.0 ? min(hit_m, nothing_m()) : nothing_m();
+}
+
+/* See history_place. */
+float held_of(float distance_m, float opacity) {
+    return opacity > least_opacity && distance_m > 0.0 ? min(distance_m, nothing_m()) : nothing_m();
+}
+
 history_place history_at(view_ray ray, float distance_m) {
     history_place p;
     vec3 q = ray.origin + ray.direction * distance_m - view.drifted.xyz - view.before_offset.xyz;
@@ -92,7 +102,7 @@ history_place history_at(view_ray ray, float distance_m) {
     float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
     /* From where the eye is now. */
     p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
-    p.held_m = opacity > least_opacity && p.distance_m > 0.0 ? min(p.distance_m, nothing_m()) : nothing_m();
+    p.held_m = held_of(p.distance_m, opacity);
     p.samples = abs(data.y);
     p.ended = bvec2(false);
     if (has_depth) {
@@ -160,7 +170,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     float near_m = nothing_m();
     float far_m = 0.0;
     float blend = 0.0;
-    float end_m = hit_m >= 0.0 ? min(hit_m, nothing_m()) : nothing_m();
+    float end_m = end_of(hit_m);
     vec4 mixed = vec4(0.0);
     float weights = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
@@ -173,8 +183,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool fit = true;
         if (has_depth) {
             ivec2 of_ray = min(there * side + ray_turn(there.y), ivec2(view.size.xy) - 1);
-            float ray_end_m = host_distance(of_ray, ray);
-            fit = alike(ray_end_m >= 0.0 ? min(ray_end_m, nothing_m()) : nothing_m(), end_m);
+            fit = alike(end_of(host_distance(of_ray, ray)), end_m);
             weight = max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
             mixed += weight * light;
             weights += weight;
@@ -193,7 +202,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         far_m = counts ? max(far_m, distance_m) : far_m;
         fits = fits || fit;
     }
-    if (has_depth && !own && weights > 0.0) {
+    if (has_depth && !own) {
         fresh.light = mixed / weights;
         blend /= weights;
     }
@@ -236,14 +245,17 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         }
         place.known = is_near || (far.known && (is_same || (is_seen && is_far)));
     }
+    cloud_pixel old;
+    if (!moves) {
+        /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
+        vec2 data = texelFetch(history_data_in, pixel, 0).rg;
+        old.light = texelFetch(history_in, pixel, 0);
+        old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
+        old.samples = abs(data.y);
+        place.held_m = held_of(old.distance_m, 1.0 - old.light.a);
+        place.ended = bvec2(data.y < 0.0);
+    }
     if (has_depth) {
-        if (!moves) {
-            vec2 data = texelFetch(history_data_in, pixel, 0).rg;
-            float opacity = 1.0 - texelFetch(history_in, pixel, 0).a;
-            float held_m = distance_in(data.x, opacity) * distance_unit_m;
-            place.held_m = opacity > least_opacity && held_m > 0.0 ? held_m : nothing_m();
-            place.ended = bvec2(data.y < 0.0);
-        }
         /* Cloud behind what is in sight here; what was in sight there and has hidden what is now; or both. */
         bool behind = place.held_m < nothing_m() && place.held_m > 1.02 * end_m;
         bool hidden = place.ended.x && (hit_m < 0.0 || (!place.ended.y && (own || fits)));
@@ -252,15 +264,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     if (!place.known) {
         return fresh;
     }
-    cloud_pixel old;
     if (moves) {
         old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples);
-    } else {
-        /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
-        vec2 data = texelFetch(history_data_in, pixel, 0).rg;
-        old.light = texelFetch(history_in, pixel, 0);
-        old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
-        old.samples = abs(data.y);
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
     float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.drifted.w);
