@@ -1,6 +1,10 @@
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "engine.h"
 #include "shared/reference.h"
@@ -25,6 +29,8 @@
 #include "shadow.spv.h"
 #include "shadow_fringed.spv.h"
 #include "sky.spv.h"
+
+enum { PIPELINE_THREADS_MOST = 8 };
 
 /* What stands before the driver's data in a blob, so that a foreign or damaged one is found out by us. */
 typedef struct cache_header {
@@ -179,7 +185,8 @@ static uint32_t variant_of(pass which) {
     return (uint32_t)which - (uint32_t)family_of(which);
 }
 
-static bool create_variant(pipelines *p, gpu *g, pass which, const variant *values, VkPipeline *out) {
+/* Writes nothing of either: several threads may be in it. */
+static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const variant *values, VkPipeline *out) {
     static const struct {
         const uint32_t *words;
         size_t bytes;
@@ -216,8 +223,9 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
                                             .codeSize = shaders[code].bytes,
                                             .pCode = shaders[code].words};
     VkShaderModule module = VK_NULL_HANDLE;
-    if (!VK(g, CreateShaderModule(g->device, &module_info, NULL, &module))) {
-        return false;
+    VkResult result = g->CreateShaderModule(g->device, &module_info, NULL, &module);
+    if (result < 0) {
+        return result;
     }
     VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
                                         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
@@ -226,12 +234,12 @@ static bool create_variant(pipelines *p, gpu *g, pass which, const variant *valu
                                                   .pName = "main",
                                                   .pSpecializationInfo = &constants},
                                         .layout = pipelines_layout(p, which)};
-    bool ok = VK(g, CreateComputePipelines(g->device, p->cache, 1, &info, NULL, out));
+    result = g->CreateComputePipelines(g->device, p->cache, 1, &info, NULL, out);
     g->DestroyShaderModule(g->device, module, NULL);
-    return ok;
+    return result;
 }
 
-static bool create_pipeline(pipelines *p, gpu *g, pass which) {
+static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
     const uint32_t kind = variant_of(which);
     const bool resolves = is_resolve(which);
     const variant values = {.more = !resolves && kind & PASS_MIXED,
@@ -240,7 +248,49 @@ static bool create_pipeline(pipelines *p, gpu *g, pass which) {
                             .ground = resolves && kind & PASS_GROUND,
                             .depth = resolves && kind & PASS_DEPTH,
                             .moves = resolves && kind & PASS_MOVES};
-    return create_variant(p, g, which, &values, &p->pipeline[which]);
+    return make_variant(p, g, which, &values, &p->pipeline[which]);
+}
+
+/* Pipelines that several threads make side by side: drivers take most of an engine's start for them. */
+typedef struct pipeline_list {
+    pipelines *p;
+    const gpu *g;
+    pass which[PASS_COUNT];
+    uint32_t count;
+    atomic_uint next;
+    atomic_int result; /* VkResult: a failed one, if any has failed */
+} pipeline_list;
+
+static void *make_listed(void *argument) {
+    pipeline_list *list = argument;
+    for (uint32_t i = atomic_fetch_add(&list->next, 1); i < list->count; i = atomic_fetch_add(&list->next, 1)) {
+        VkResult result = make_pipeline(list->p, list->g, list->which[i]);
+        if (result < 0) {
+            atomic_store(&list->result, result);
+            break;
+        }
+    }
+    return NULL;
+}
+
+static bool create_listed(pipeline_list *list, gpu *g) {
+    pthread_t helpers[PIPELINE_THREADS_MOST - 1];
+    uint32_t helper_count = 0;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    sigset_t all, before;
+    sigfillset(&all);
+    /* The host's signals are for the host's threads. */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (helper_count < PIPELINE_THREADS_MOST - 1 && helper_count + 1 < processors &&
+           helper_count + 1 < list->count && pthread_create(&helpers[helper_count], NULL, make_listed, list) == 0) {
+        helper_count++;
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    make_listed(list);
+    for (uint32_t i = 0; i < helper_count; i++) {
+        pthread_join(helpers[i], NULL);
+    }
+    return gpu_check(g, (VkResult)atomic_load(&list->result), "CreateComputePipelines", __FILE__, __LINE__);
 }
 
 /* Those that are made with the first eye that wants them, and those that nothing asks for. */
@@ -265,8 +315,9 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
         }
     }
     const variant values = {.more = mixes, .lanes = pipelines_reference_lanes(g), .slots = slots, .air = air};
-    if (!create_variant(p, g, fringed ? PASS_REFERENCE_FRINGED : PASS_REFERENCE, &values,
-                        &p->tracer[p->tracer_count])) {
+    const VkResult result =
+        make_variant(p, g, fringed ? PASS_REFERENCE_FRINGED : PASS_REFERENCE, &values, &p->tracer[p->tracer_count]);
+    if (!gpu_check(g, result, "CreateComputePipelines", __FILE__, __LINE__)) {
         return VK_NULL_HANDLE;
     }
     p->tracer_key[p->tracer_count] = key;
@@ -297,9 +348,13 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->linear) &&
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
-    for (uint32_t i = 0; ok && i < PASS_REFERENCE; i++) {
-        ok = is_left_out((pass)i, arrays) || create_pipeline(p, g, (pass)i);
+    pipeline_list list = {.p = p, .g = g};
+    for (uint32_t i = 0; i < PASS_REFERENCE; i++) {
+        if (!is_left_out((pass)i, arrays)) {
+            list.which[list.count++] = (pass)i;
+        }
     }
+    ok = ok && create_listed(&list, g);
     if (!ok) {
         pipelines_finish(p, g);
         return gpu_result(g);
@@ -308,12 +363,14 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
 }
 
 velum_result pipelines_add_study(pipelines *p, gpu *g) {
-    bool ok = true;
-    for (uint32_t kind = 0; ok && kind < PASS_VARIANTS; kind++) {
+    pipeline_list list = {.p = p, .g = g};
+    for (uint32_t kind = 0; kind < PASS_VARIANTS; kind++) {
         const pass which = (pass)(PASS_MARCH_STUDY + kind);
-        ok = kind & PASS_CLOSED || p->pipeline[which] || create_pipeline(p, g, which);
+        if (!(kind & PASS_CLOSED) && !p->pipeline[which]) {
+            list.which[list.count++] = which;
+        }
     }
-    return ok ? VELUM_OK : gpu_result(g);
+    return create_listed(&list, g) ? VELUM_OK : gpu_result(g);
 }
 
 velum_result pipelines_add_reference(pipelines *p, gpu *g) {
@@ -323,9 +380,13 @@ velum_result pipelines_add_reference(pipelines *p, gpu *g) {
     bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_REFERENCE_COUNT, &p->set_reference);
     const VkDescriptorSetLayout sets[2] = {p->set_engine, p->set_reference};
     ok = ok && (p->layout_reference || create_layout(g, sets, 2, &p->layout_reference));
-    for (uint32_t i = PASS_REFERENCE_RESOLVE; ok && i < PASS_COUNT; i++) {
-        ok = p->pipeline[i] || create_pipeline(p, g, (pass)i);
+    pipeline_list list = {.p = p, .g = g};
+    for (uint32_t i = PASS_REFERENCE_RESOLVE; i < PASS_COUNT; i++) {
+        if (!p->pipeline[i]) {
+            list.which[list.count++] = (pass)i;
+        }
     }
+    ok = ok && create_listed(&list, g);
     return ok ? VELUM_OK : gpu_result(g);
 }
 
