@@ -266,6 +266,11 @@ struct view {
     reference reference;
 };
 
+typedef struct shadow_level {
+    uint32_t next_row, stale_rows; /* stale: show an earlier time */
+    double due_rows;               /* of them, to be drawn by now */
+} shadow_level;
+
 struct shadow {
     engine *e;
     velum_shadow *handle;
@@ -278,12 +283,14 @@ struct shadow {
     gpu_image image;
     gpu_image spare; /* a level on its way to its new place */
     bool drawn, incomplete;
-    uint32_t next_row, stale_rows; /* bands that still show an earlier time */
+    shadow_level level[SHADOW_LEVELS_MAX];
+    uint64_t texels_drawn;
     velum_shadow_geometry geometry;
     /* what is drawn */
     struct shadow_key {
         double sun[3], origin[3];
         double corner[SHADOW_LEVELS_MAX][2]; /* along the axes across the sun, m */
+        double phase[SHADOW_LEVELS_MAX][2];  /* of its grid of texels, from the earth's centre, m */
         double time_s;
         uint64_t state[2];
         float blend;

@@ -11,9 +11,16 @@
 #define DISTANCE_MAX_M 400000.0
 /* A centre may wander so far, in shares of a level's side, before the level follows. */
 #define SNAP_SHARE 16u
-/* While time goes on, in steps up to this, so many frames renew the map by turns, a band of rows each. */
-#define BANDS 16u
+/* While time goes on, in steps up to this, a level is renewed by turns, a band of rows in a frame: in so much time the
+ * finest, and each other in 4 times as much, as the wind takes so much longer to cross its texels; within BANDS frames
+ * where time goes faster, or has come to rest. */
 #define BAND_LAG_S 60.0
+#define RENEWED_S 0.5
+#define BANDS 16u
+/* The map's sun lags behind the frame's by up to so much (0.1 degrees: 24 s of the day; 9 m from 5 km of height), then
+ * turns to it: what is drawn goes on. One that has turned further is another sun. */
+#define SUN_LAG_RAD 0.00175
+#define SUN_TURN_RAD 0.0087
 /* Of a level: its band, and the two strips that come into sight as it follows. */
 #define RECTANGLES 3u
 
@@ -34,6 +41,11 @@ static void make_axes(const double sun[3], double u[3], double v[3]) {
     cross(sun, u, v);
 }
 
+static double chord(const double a[3], const double b[3]) {
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(dot3(d, d));
+}
+
 static double level_extent_m(const shadow *s, uint32_t level) {
     return s->extent_m * (double)(1u << (2 * level));
 }
@@ -42,12 +54,34 @@ static double snap(double x, double step) {
     return floor(x / step + 0.5) * step;
 }
 
-/* Where the levels lie, and what the host is told. */
-static void place(const shadow *s, const double sun[3], const double centre[3], struct shadow_key *key,
-                  velum_shadow_geometry *geometry) {
+static double texel_m(const shadow *s, uint32_t level) {
+    return level_extent_m(s, level) / s->texels;
+}
+
+/* Where, along an axis across the sun, the corner of a level came to lie if the map turned about a place when the sun
+ * did. */
+static double corner_as_turned(const struct shadow_key *before, const struct shadow_key *now, const double about[3],
+                               uint32_t level, int axis) {
+    double from[2][3], to[2][3];
+    make_axes(before->sun, from[0], from[1]);
+    make_axes(now->sun, to[0], to[1]);
+    return before->corner[level][axis] + dot3(about, to[axis]) - dot3(about, from[axis]);
+}
+
+/* A map that turns keeps its texels where they are about its centre: `key` gets the phase of each level's grid. */
+static void turn_grid(const shadow *s, const double centre[3], struct shadow_key *key) {
+    for (uint32_t k = 0; k < s->levels; k++) {
+        for (int i = 0; i < 2; i++) {
+            key->phase[k][i] = fmod(corner_as_turned(&s->key, key, centre, k, i), texel_m(s, k));
+        }
+    }
+}
+
+/* Where the levels lie for the key's sun and grid, and what the host is told. */
+static void place(const shadow *s, const double centre[3], struct shadow_key *key, velum_shadow_geometry *geometry) {
     double axes[3][3]; /* u, v, sun */
-    make_axes(sun, axes[0], axes[1]);
-    memcpy(axes[2], sun, sizeof axes[2]);
+    make_axes(key->sun, axes[0], axes[1]);
+    memcpy(axes[2], key->sun, sizeof axes[2]);
     double across_m = s->extent_m / s->texels * (double)(s->texels / SNAP_SHARE);
     double at[3];
     for (int i = 0; i < 3; i++) {
@@ -56,11 +90,10 @@ static void place(const shadow *s, const double sun[3], const double centre[3], 
     *geometry = (velum_shadow_geometry){.struct_size = sizeof *geometry, .levels = s->levels, .texels = s->texels};
     for (int i = 0; i < 3; i++) {
         key->origin[i] = at[0] * axes[0][i] + at[1] * axes[1][i] + at[2] * axes[2][i];
-        key->sun[i] = sun[i];
         geometry->origin_ecef_m[i] = key->origin[i];
         geometry->block.axis_u[i] = (float)axes[0][i];
         geometry->block.axis_v[i] = (float)axes[1][i];
-        geometry->block.sun[i] = (float)sun[i];
+        geometry->block.sun[i] = (float)key->sun[i];
     }
     geometry->block.axis_u[3] = (float)s->levels;
     geometry->block.axis_v[3] = (float)s->texels;
@@ -68,7 +101,8 @@ static void place(const shadow *s, const double sun[3], const double centre[3], 
         double extent_m = level_extent_m(s, k);
         geometry->block.level[k][0] = (float)extent_m;
         for (int i = 0; i < 2; i++) {
-            double corner_m = snap(dot3(centre, axes[i]) - 0.5 * extent_m, extent_m / SNAP_SHARE);
+            const double middle_m = dot3(centre, axes[i]) - key->phase[k][i];
+            double corner_m = snap(middle_m - 0.5 * extent_m, extent_m / SNAP_SHARE) + key->phase[k][i];
             key->corner[k][i] = corner_m;
             geometry->block.level[k][1 + i] = (float)((at[i] - corner_m) / extent_m);
         }
@@ -121,7 +155,7 @@ static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_
         b.axis_v[i] = geometry->block.axis_v[i];
         b.origin[i] = (float)(from_u_m * u[i] + from_v_m * v[i]);
     }
-    b.axis_u[3] = (float)(level_extent_m(s, r->level) / s->texels);
+    b.axis_u[3] = (float)texel_m(s, r->level);
     b.axis_v[3] = (float)s->texels;
     b.origin[3] = (float)r->level;
     return b;
@@ -169,6 +203,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
         record_dispatch(e, commands, which, rectangles[i].width, rectangles[i].height);
+        s->texels_drawn += (uint64_t)rectangles[i].width * rectangles[i].height;
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
@@ -176,11 +211,27 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     return VELUM_OK;
 }
 
-/* A little, and forward; the sun and the weather are those of before. */
+/* A little, and forward; the weather is that of before, and the sun nearly. */
 static bool follows(const struct shadow_key *before, const struct shadow_key *now) {
     double step_s = now->time_s - before->time_s;
-    return memcmp(before->sun, now->sun, sizeof now->sun) == 0 &&
+    double axes[2][2][3];
+    make_axes(before->sun, axes[0][0], axes[0][1]);
+    make_axes(now->sun, axes[1][0], axes[1][1]);
+    return chord(before->sun, now->sun) <= SUN_TURN_RAD && chord(axes[0][0], axes[1][0]) <= SUN_TURN_RAD &&
            memcmp(before->state, now->state, sizeof now->state) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
+}
+
+/* Rows that a level has drawn anew in this frame. */
+static uint32_t band_rows(shadow *s, uint32_t k, double step_s) {
+    shadow_level *level = &s->level[k];
+    const uint32_t unit = s->texels < 128 ? 4 : VELUM_GROUP;
+    const uint32_t most = (s->texels / BANDS + unit - 1) / unit * unit;
+    level->due_rows += step_s * s->texels / (RENEWED_S * (double)(1u << (2 * k)));
+    level->due_rows = fmin(step_s == 0.0 ? s->texels : level->due_rows, level->stale_rows);
+    const uint32_t due = (uint32_t)level->due_rows / unit * unit;
+    const uint32_t rows = due < most ? due : most;
+    level->due_rows -= rows;
+    return rows;
 }
 
 /* What both maps have moves to its new place, through the spare image: a copy's ends must not overlap. */
@@ -209,12 +260,15 @@ static void move_level(shadow *s, VkCommandBuffer commands, uint32_t level, int3
 }
 
 /* What is to be drawn of a level that goes on from what it shows: a band of it, and what has come into sight. */
-static uint32_t continue_level(shadow *s, VkCommandBuffer commands, const struct shadow_key *key, uint32_t level,
-                               uint32_t row, uint32_t rows, rectangle *out) {
-    double texel_m = level_extent_m(s, level) / s->texels;
-    double u = (key->corner[level][0] - s->key.corner[level][0]) / texel_m;
-    double v = (key->corner[level][1] - s->key.corner[level][1]) / texel_m;
+static uint32_t continue_level(shadow *s, VkCommandBuffer commands, const struct shadow_key *key,
+                               const double centre[3], uint32_t level, uint32_t rows, rectangle *out) {
+    double shift[2];
+    for (int i = 0; i < 2; i++) {
+        shift[i] = (key->corner[level][i] - corner_as_turned(&s->key, key, centre, level, i)) / texel_m(s, level);
+    }
+    const double u = shift[0], v = shift[1];
     if (fabs(u) >= s->texels || fabs(v) >= s->texels) {
+        s->level[level] = (shadow_level){0};
         out[0] = (rectangle){level, 0, 0, s->texels, s->texels};
         return 1;
     }
@@ -222,7 +276,7 @@ static uint32_t continue_level(shadow *s, VkCommandBuffer commands, const struct
     int32_t dv = (int32_t)lround(v);
     uint32_t count = 0;
     if (rows > 0) {
-        out[count++] = (rectangle){level, 0, row, s->texels, rows};
+        out[count++] = (rectangle){level, 0, s->level[level].next_row, s->texels, rows};
     }
     if (du != 0 || dv != 0) {
         move_level(s, commands, level, du, dv);
@@ -254,24 +308,30 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
     struct shadow_key key;
     velum_shadow_geometry geometry;
     memset(&key, 0, sizeof key);
-    place(s, e->frame.sun_direction_ecef, f.centre_ecef_m, &key, &geometry);
+    memcpy(key.sun, e->frame.sun_direction_ecef, sizeof key.sun);
     key.time_s = e->frame.time_s;
     key.blend = e->weather.blend;
     for (int i = 0; i < 2; i++) {
         key.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
     }
+    const bool goes_on = s->drawn && !s->incomplete && follows(&s->key, &key);
+    if (goes_on && chord(key.sun, s->key.sun) <= SUN_LAG_RAD) {
+        memcpy(key.sun, s->key.sun, sizeof key.sun);
+        memcpy(key.phase, s->key.phase, sizeof key.phase);
+    } else if (goes_on) {
+        turn_grid(s, f.centre_ecef_m, &key);
+    }
+    place(s, f.centre_ecef_m, &key, &geometry);
     s->frame = e->frames;
-    bool same = s->drawn && !s->incomplete && memcmp(&key, &s->key, sizeof key) == 0;
-    if (same && s->stale_rows == 0) {
+    uint32_t stale_rows = 0;
+    for (uint32_t k = 0; k < s->levels; k++) {
+        stale_rows += s->level[k].stale_rows;
+    }
+    if (goes_on && stale_rows == 0 && memcmp(&key, &s->key, sizeof key) == 0) {
         return VELUM_UNCHANGED;
     }
-    bool goes_on = s->drawn && !s->incomplete && follows(&s->key, &key);
-    uint32_t stale_rows = s->texels;
-    if (goes_on && key.time_s == s->key.time_s && key.blend == s->key.blend) {
-        stale_rows = s->stale_rows;
-    }
-    uint32_t rows = !goes_on ? s->texels : (stale_rows > 0 ? s->texels / BANDS : 0);
-    uint32_t row = goes_on ? s->next_row : 0;
+    const double step_s = key.time_s - s->key.time_s;
+    const bool changes = !goes_on || step_s != 0.0 || key.blend != s->key.blend || chord(key.sun, s->key.sun) > 0.0;
     VkBufferCopy copy;
     uint32_t budget = e->owner ? UINT32_MAX : RENDER_TILES;
     tiles_context context = record_tiles_context(e, &budget, &copy, 1);
@@ -283,19 +343,23 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
     rectangle rectangles[SHADOW_LEVELS_MAX * RECTANGLES];
     uint32_t count = 0;
     for (uint32_t k = 0; k < s->levels; k++) {
-        if (goes_on) {
-            count += continue_level(s, commands, &key, k, row, rows, &rectangles[count]);
-        } else {
+        shadow_level *level = &s->level[k];
+        if (!goes_on) {
+            *level = (shadow_level){0};
             rectangles[count++] = (rectangle){k, 0, 0, s->texels, s->texels};
+            continue;
         }
+        level->stale_rows = changes ? s->texels : level->stale_rows;
+        const uint32_t rows = band_rows(s, k, step_s);
+        count += continue_level(s, commands, &key, f.centre_ecef_m, k, rows, &rectangles[count]);
+        level->stale_rows -= level->stale_rows < rows ? level->stale_rows : rows;
+        level->next_row = (level->next_row + rows) % s->texels;
     }
     velum_result result = draw(s, commands, &geometry, &key, rectangles, count);
     if (result < 0) {
         s->drawn = false;
         return result;
     }
-    s->stale_rows = stale_rows > rows ? stale_rows - rows : 0;
-    s->next_row = (row + rows) % s->texels;
     s->key = key;
     s->geometry = geometry;
     s->drawn = true;

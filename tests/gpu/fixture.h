@@ -55,6 +55,8 @@ velum_view *fixture_view(fixture *f, velum_eye *eye, uint32_t width, uint32_t he
 uint64_t fixture_pages_uploaded(velum_engine *engine);
 uint64_t fixture_weather_bytes(velum_engine *engine);
 uint64_t fixture_view_bytes(velum_view *view);
+/* Drawn since it was made. */
+uint64_t fixture_shadow_texels(velum_shadow *map);
 /* From here on its device has none, as far as eyes know. */
 void fixture_forget_timestamps(velum_engine *engine);
 

@@ -20,6 +20,12 @@ uint64_t fixture_view_bytes(velum_view *handle) {
     return v->bytes;
 }
 
+uint64_t fixture_shadow_texels(velum_shadow *handle) {
+    shadow *s = handle_get(handle, HANDLE_SHADOW);
+    assert_non_null(s);
+    return s->texels_drawn;
+}
+
 void fixture_forget_timestamps(velum_engine *handle) {
     engine *e = handle_get(handle, HANDLE_ENGINE);
     assert_non_null(e);

@@ -343,56 +343,6 @@ static void memory_is_within_bounds(void **state) {
     fixture_finish(&f);
 }
 
-static void shadow_map_is_fixed_to_the_world(void **state) {
-    (void)state;
-    enum { TEXELS = 64 };
-    static float one[TEXELS * TEXELS], two[TEXELS * TEXELS];
-    fixture f;
-    fixture_init(&f, false);
-    velum_layer cumulus = fixture_cumulus();
-    fixture_commit(&f, &cumulus, 1);
-    velum_shadow *shadow = NULL;
-    const velum_shadow_desc desc = {.struct_size = sizeof desc, .levels = 1, .texels = TEXELS, .extent_m = 8192.0f};
-    assert_int_equal(f.engine_api->create_shadow(f.engine, &desc, &shadow), VELUM_OK);
-    double east[3], north[3], up[3], sun[3];
-    fixture_axes(50.0, 8.5, east, north, up);
-    for (int i = 0; i < 3; i++) {
-        sun[i] = 0.8 * up[i] + 0.6 * north[i];
-    }
-    velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_EARTH);
-    velum_shadow_frame where = {.struct_size = sizeof where};
-    velum_shadow_geometry geometry[2] = {{.struct_size = sizeof geometry[0]}, {.struct_size = sizeof geometry[0]}};
-    fixture_position(50.0, 8.5, 0.0, where.centre_ecef_m);
-    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS), VELUM_OK);
-    assert_int_equal(f.engine_api->get_shadow_geometry(shadow, &geometry[0]), VELUM_OK);
-    /* Four texels along u: the same values, four columns on. */
-    for (int i = 0; i < 3; i++) {
-        where.centre_ecef_m[i] += 4.0 * 128.0 * (double)geometry[0].block.axis_u[i];
-    }
-    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, two, TEXELS * TEXELS), VELUM_OK);
-    assert_int_equal(f.engine_api->get_shadow_geometry(shadow, &geometry[1]), VELUM_OK);
-    double worst = 0.0;
-    double least = 1.0;
-    for (int y = 0; y < TEXELS; y++) {
-        for (int x = 0; x + 4 < TEXELS; x++) {
-            worst = fmax(worst, fabs((double)one[y * TEXELS + x + 4] - (double)two[y * TEXELS + x]));
-            least = fmin(least, (double)two[y * TEXELS + x]);
-        }
-    }
-    assert_true(least < 0.5);
-    assert_true(worst < 0.02);
-    /* A hundredth of a texel, or a climb: nothing is drawn. */
-    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS),
-                     VELUM_UNCHANGED);
-    for (int i = 0; i < 3; i++) {
-        where.centre_ecef_m[i] += 1.28 * (double)geometry[0].block.axis_v[i];
-    }
-    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS),
-                     VELUM_UNCHANGED);
-    assert_int_equal(f.engine_api->destroy_shadow(shadow), VELUM_OK);
-    fixture_finish(&f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(memory_is_within_bounds),
                                        cmocka_unit_test(together_as_alone),
@@ -401,7 +351,6 @@ int main(void) {
                                        cmocka_unit_test(no_line_in_cloud),
                                        cmocka_unit_test(wind_builds_no_tiles),
                                        cmocka_unit_test(equal_states_share_pages),
-                                       cmocka_unit_test(flight_stays_whole),
-                                       cmocka_unit_test(shadow_map_is_fixed_to_the_world)};
+                                       cmocka_unit_test(flight_stays_whole)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,7 +136,10 @@ typedef struct velum_view_frame {
 } velum_view_frame;
 
 /* Where a shadow map is wanted. It is snapped to the world's own texels: the same centre gives the same map whatever
- * any camera does. */
+ * any camera does. What is drawn goes on: as time does, the finest level is renewed in half a second, each next one in
+ * four times as much; the sun of the map (velum_shadow_block.sun) lags behind the frame's by up to 0.1 degrees. A sun
+ * that has turned by more than half a degree since, time that goes back or on by more than a minute, and other weather
+ * draw the whole map anew. */
 typedef struct velum_shadow_frame {
     uint32_t struct_size;
     uint32_t flags; /* 0 */
@@ -149,7 +152,7 @@ typedef struct velum_shadow_frame {
 typedef struct velum_shadow_block {
     float axis_u[4];   /* unit, across the sun's direction; w: number of levels */
     float axis_v[4];   /* w: texels a side */
-    float sun[4];      /* towards the sun; w: 0 */
+    float sun[4];      /* towards the sun of the map; w: 0 */
     float level[4][4]; /* per level: extent_m, offset_u, offset_v, reserved */
 } velum_shadow_block;
 

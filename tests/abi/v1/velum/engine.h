@@ -31,12 +31,31 @@ enum {
 
 enum { VELUM_ATMOSPHERE_EARTH = 0, VELUM_ATMOSPHERE_NONE = 1 };
 
+/* Budgets. Plans are then Velum's own choice, from frame to frame; get_plan tells them with their reasons, and set_plan
+ * repeats them bit for bit (given the same cameras, weather and times).
+ *
+ * budget_ms: device time of the eye's frames: march and resolve of all its views, and its share of the shared passes
+ * (one of the eyes that record_shared names). Shadow maps are not in it: the host says when they are drawn, for all
+ * eyes, and no plan changes them. It begins with the steps of `quality` and a ray for 16 pixels, and goes up to those
+ * of VELUM_QUALITY_ULTRA with a ray for each pixel, and down to those of VELUM_QUALITY_LOW with a ray for 64, as the
+ * times of finished frames tell; nothing is known of the frames in flight. Over the budget quality falls at once, under
+ * it it rises by at most 3 % of time a frame; within -8 and +5 % nothing changes. A lone slow frame changes nothing.
+ * After VELUM_EYE_RESET it is no better than at the beginning, until frames have finished again. Without cloud in sight
+ * no quality is spent. Where even the least plan takes longer, or the best less, reasons say so. On a device without
+ * timestamps create_eye warns, and plans are those of `quality`.
+ *
+ * budget_error: in place of `quality`, the cheapest preset whose error is not greater: root of the mean square of the
+ * relative errors of luminance of means over 8 x 8 pixels, of settled pictures, over the scenes of
+ * tests/report/accuracy. Those of one scene may be greater. If no preset is so good: the one with the least error, and
+ * reasons say so.
+ *
+ * Both: time holds; quality is never better than budget_error asks for, and time that it does not need is left. */
 typedef struct velum_eye_desc {
     uint32_t struct_size;
     uint32_t flags;     /* VELUM_EYE_STUDY */
     int32_t quality;    /* VELUM_QUALITY_* */
-    float budget_ms;    /* time for all views of the eye; 0: none. Reserved: must be 0 */
-    float budget_error; /* relative error instead; 0: none. Reserved: must be 0 */
+    float budget_ms;    /* 0.001..10000; 0: none. Not for VELUM_QUALITY_REFERENCE */
+    float budget_error; /* 0.001..1; 0: none. Not for VELUM_QUALITY_REFERENCE */
     uint32_t reserved;
 } velum_eye_desc;
 /* Plans may ask for the methods of others (velum_plan, from `integrator` on), so that they can be compared. Compiles
@@ -117,7 +136,10 @@ typedef struct velum_view_frame {
 } velum_view_frame;
 
 /* Where a shadow map is wanted. It is snapped to the world's own texels: the same centre gives the same map whatever
- * any camera does. */
+ * any camera does. What is drawn goes on: as time does, the finest level is renewed in half a second, each next one in
+ * four times as much; the sun of the map (velum_shadow_block.sun) lags behind the frame's by up to 0.1 degrees. A sun
+ * that has turned by more than half a degree since, time that goes back or on by more than a minute, and other weather
+ * draw the whole map anew. */
 typedef struct velum_shadow_frame {
     uint32_t struct_size;
     uint32_t flags; /* 0 */
@@ -130,7 +152,7 @@ typedef struct velum_shadow_frame {
 typedef struct velum_shadow_block {
     float axis_u[4];   /* unit, across the sun's direction; w: number of levels */
     float axis_v[4];   /* w: texels a side */
-    float sun[4];      /* towards the sun; w: 0 */
+    float sun[4];      /* towards the sun of the map; w: 0 */
     float level[4][4]; /* per level: extent_m, offset_u, offset_v, reserved */
 } velum_shadow_block;
 
@@ -197,17 +219,19 @@ enum {
                                    cloud down to the ground. No map, or beside it: no cloud. Not deeper than 16 */
 };
 
-/* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. */
+/* How a frame of an eye is made. Filled by get_plan; given to set_plan it is imposed. A view keeps its history from
+ * plan to plan: standing, the new way takes over from the old within some ten samples a pixel, without a jump. */
 typedef struct velum_plan {
     uint32_t struct_size;
     uint32_t flags;         /* VELUM_PLAN_* */
     uint32_t active_layers; /* bit per slot that can be seen */
     uint32_t march_steps;   /* along a ray, at most: 1..4096. They grow up to 5 times as long as they run out */
     uint32_t light_steps;   /* towards the sun: 1..64 */
-    uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4 or 16 */
+    uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4, 8, 16, 32 or 64 */
     uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
-    float step_m;           /* first step that looks for cloud, 1..10000; those in cloud are 0.18 of it */
+    float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
+                               those in cloud are 0.18 of it */
     float step_growth;      /* relative growth with distance, 0..0.5 */
     float distance_m;       /* rays end here at the latest, 1..1e7 */
 

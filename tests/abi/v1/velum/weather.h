@@ -59,11 +59,23 @@ typedef struct velum_layer {
     float hg_asymmetry;       /* -0.999..0.999; see VELUM_LAYER_PHASE_HG */
     float wind_east_m_s;      /* wind vector (towards), in the frame of east and north at the cell's own place; */
     float wind_north_m_s;     /*   of a global cell: at every place (fading to 0 within 1 degree of a pole) */
-    float transition_m;       /* vertical transition band at base and top; 0: the genus's own. No effect yet */
-    float scud;               /* 0..1, share of scud under the base. No effect yet */
-    float precipitation_mm_h; /* 0..500 */
-    int32_t precipitation;    /* VELUM_PRECIPITATION_* */
+    float transition_m;       /* 0..25000: depth of the transition band, under the base and (of sheets: St, As, Ns, Cs,
+                                 and partly Sc) over the tops of the cloud, in which the layer thins out from half of its
+                                 extinction to nothing; base_m and top_m stay those of the cloud proper. 0: none. Not of
+                                 UNIFORM layers */
+    float scud;               /* 0..1: ragged fragments under the base, more and deeper with it, to 120 m + 380 m times
+                                 scud below the base, not under 0.3 of its height; 0: none. Not of UNIFORM layers */
+    float precipitation_mm_h; /* 0..500: that falls from the layer, water equivalent, at its base, under its thick
+                                 parts. Of UNIFORM layers no effect in the picture */
+    int32_t precipitation;    /* VELUM_PRECIPITATION_*; of NONE with a rate: rain */
 } velum_layer;
+
+/* What falls is seen, and extinguishes, 1/km with R in mm/h: rain 0.365 R^0.63 (the drops of Marshall & Palmer 1948),
+ * from Cu and Cb 0.163 R^0.63, drizzle 0.509 R^0.63 (Joss et al. 1968), hail as rain from Cb, snow 3.34 R^0.57 (Gunn &
+ * Marshall 1958, flakes of a tenth of the density of water), sleet in between; in streaks about that mean. It lags
+ * behind the layer's wind and evaporates on its way down: at depth d under the base R (1 - (d / D)^2)^2 is left of it,
+ * D = 3900 m R^1/4 (Sundqvist 1988, in air whose humidity falls by 4 % each 100 m). Where D ends above the surface it
+ * is virga. Base, top, coverage and water content are those of the cloud without it and without scud. */
 
 enum {
     VELUM_CELL_GLOBAL = 1,   /* everywhere: the background */

@@ -33,11 +33,11 @@ typedef struct velum_point_answer {
     uint32_t struct_size;
     uint32_t reserved;
     double lat_deg, lon_deg, height_hae_m;
-    float extinction_1_m;   /* of cloud, all layers, at the point */
-    float water_g_m3;       /* water content that goes with it */
+    float extinction_1_m;   /* of cloud, its transition band, scud and precipitation, all layers, at the point */
+    float water_g_m3;       /* water content of cloud, without what falls from it */
     float coverage;         /* greatest of the layers over the place, 0..1 */
     float base_m, top_m;    /* MSL, of the lowest layer over the place; 0, 0: none */
-    float visibility_m;     /* at the point: of haze, fog and cloud together */
+    float visibility_m;     /* at the point: of haze, fog and all that extinction_1_m is of, together */
     float wind_ecef_m_s[3]; /* at the point */
     float precipitation_mm_h;
     int32_t precipitation; /* VELUM_PRECIPITATION_* */
@@ -60,7 +60,7 @@ typedef struct velum_line_query {
 typedef struct velum_line_answer {
     uint32_t struct_size;
     uint32_t has_contact;
-    double optical_depth;   /* of cloud along the line */
+    double optical_depth;   /* of cloud, transition bands, scud and precipitation along the line */
     double transmittance;   /* exp(-optical_depth) */
     double first_contact_m; /* from `from`, within 1 m; not set without contact */
 } velum_line_answer;

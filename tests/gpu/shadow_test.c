@@ -1,0 +1,248 @@
+/* Shadow maps over frames: fixed to the world, renewed a little in each frame, following the sun. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fixture.h"
+
+static void shadow_map_is_fixed_to_the_world(void **state) {
+    (void)state;
+    enum { TEXELS = 64 };
+    static float one[TEXELS * TEXELS], two[TEXELS * TEXELS];
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer cumulus = fixture_cumulus();
+    fixture_commit(&f, &cumulus, 1);
+    velum_shadow *shadow = NULL;
+    const velum_shadow_desc desc = {.struct_size = sizeof desc, .levels = 1, .texels = TEXELS, .extent_m = 8192.0f};
+    assert_int_equal(f.engine_api->create_shadow(f.engine, &desc, &shadow), VELUM_OK);
+    double east[3], north[3], up[3], sun[3];
+    fixture_axes(50.0, 8.5, east, north, up);
+    for (int i = 0; i < 3; i++) {
+        sun[i] = 0.8 * up[i] + 0.6 * north[i];
+    }
+    velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_EARTH);
+    velum_shadow_frame where = {.struct_size = sizeof where};
+    velum_shadow_geometry geometry[2] = {{.struct_size = sizeof geometry[0]}, {.struct_size = sizeof geometry[0]}};
+    fixture_position(50.0, 8.5, 0.0, where.centre_ecef_m);
+    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS), VELUM_OK);
+    assert_int_equal(f.engine_api->get_shadow_geometry(shadow, &geometry[0]), VELUM_OK);
+    /* Four texels along u: the same values, four columns on. */
+    for (int i = 0; i < 3; i++) {
+        where.centre_ecef_m[i] += 4.0 * 128.0 * (double)geometry[0].block.axis_u[i];
+    }
+    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, two, TEXELS * TEXELS), VELUM_OK);
+    assert_int_equal(f.engine_api->get_shadow_geometry(shadow, &geometry[1]), VELUM_OK);
+    double worst = 0.0;
+    double least = 1.0;
+    for (int y = 0; y < TEXELS; y++) {
+        for (int x = 0; x + 4 < TEXELS; x++) {
+            worst = fmax(worst, fabs((double)one[y * TEXELS + x + 4] - (double)two[y * TEXELS + x]));
+            least = fmin(least, (double)two[y * TEXELS + x]);
+        }
+    }
+    assert_true(least < 0.5);
+    assert_true(worst < 0.02);
+    /* A hundredth of a texel, or a climb: nothing is drawn. */
+    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS),
+                     VELUM_UNCHANGED);
+    for (int i = 0; i < 3; i++) {
+        where.centre_ecef_m[i] += 1.28 * (double)geometry[0].block.axis_v[i];
+    }
+    assert_int_equal(f.standalone_api->render_shadow(f.engine, &frame, shadow, &where, one, TEXELS * TEXELS),
+                     VELUM_UNCHANGED);
+    assert_int_equal(f.engine_api->destroy_shadow(shadow), VELUM_OK);
+    fixture_finish(&f);
+}
+
+enum { LEVELS = 2, SIDE = 128, ALL = LEVELS * SIDE * SIDE, POINTS = 48 };
+#define EXTENT_M 1024.0
+
+/* A place with a shadow map, and a sun that goes round its vertical, where `frame` is. */
+typedef struct sundial {
+    fixture f;
+    velum_frame_info frame;
+    velum_shadow_frame where;
+    double east[3], north[3], up[3];
+    double azimuth_rad;
+} sundial;
+
+static void sundial_sun(sundial *d) {
+    for (int i = 0; i < 3; i++) {
+        d->frame.sun_direction_ecef[i] =
+            0.7 * d->up[i] + sqrt(0.51) * (cos(d->azimuth_rad) * d->east[i] + sin(d->azimuth_rad) * d->north[i]);
+    }
+}
+
+static void sundial_init(sundial *d) {
+    *d = (sundial){.where = {.struct_size = sizeof d->where}};
+    fixture_init(&d->f, false);
+    velum_layer cumulus = fixture_cumulus();
+    cumulus.wind_east_m_s = 60.0f;
+    fixture_commit(&d->f, &cumulus, 1);
+    fixture_axes(50.0, 8.5, d->east, d->north, d->up);
+    fixture_position(50.0, 8.5, 0.0, d->where.centre_ecef_m);
+    d->frame = fixture_frame(d->up, 0.0, VELUM_ATMOSPHERE_EARTH);
+    sundial_sun(d);
+}
+
+static velum_shadow *sundial_map(const sundial *d) {
+    velum_shadow *map = NULL;
+    const velum_shadow_desc desc = {
+        .struct_size = sizeof desc, .levels = LEVELS, .texels = SIDE, .extent_m = (float)EXTENT_M};
+    assert_int_equal(d->f.engine_api->create_shadow(d->f.engine, &desc, &map), VELUM_OK);
+    return map;
+}
+
+static velum_result sundial_draw(const sundial *d, velum_shadow *map, float *texels, velum_shadow_geometry *geometry) {
+    velum_result result = d->f.standalone_api->render_shadow(d->f.engine, &d->frame, map, &d->where, texels, ALL);
+    *geometry = (velum_shadow_geometry){.struct_size = sizeof *geometry};
+    assert_int_equal(d->f.engine_api->get_shadow_geometry(map, geometry), VELUM_OK);
+    return result;
+}
+
+/* As velum_shadow.glsl finds it in one level. */
+static double shadow_at(const float *texels, const velum_shadow_geometry *g, uint32_t level, const double at_m[3]) {
+    double place[2] = {0.0, 0.0};
+    for (int i = 0; i < 3; i++) {
+        place[0] += (at_m[i] - g->origin_ecef_m[i]) * (double)g->block.axis_u[i];
+        place[1] += (at_m[i] - g->origin_ecef_m[i]) * (double)g->block.axis_v[i];
+    }
+    uint32_t first[2];
+    double part[2];
+    for (int i = 0; i < 2; i++) {
+        double x = (place[i] / (double)g->block.level[level][0] + (double)g->block.level[level][1 + i]) * SIDE - 0.5;
+        assert_true(x > 0.0 && x < SIDE - 1);
+        first[i] = (uint32_t)x;
+        part[i] = x - floor(x);
+    }
+    const float *t = texels + ((size_t)level * SIDE + first[1]) * SIDE + first[0];
+    return (1.0 - part[1]) * ((1.0 - part[0]) * (double)t[0] + part[0] * (double)t[1]) +
+           part[1] * ((1.0 - part[0]) * (double)t[SIDE] + part[0] * (double)t[SIDE + 1]);
+}
+
+/* Mean difference of what two maps say of places on the ground, over most of a level. */
+static double difference(const sundial *d, uint32_t level, const float *a, const velum_shadow_geometry *of_a,
+                         const float *b, const velum_shadow_geometry *of_b) {
+    const double reach_m = 0.25 * EXTENT_M * (level ? 4.0 : 1.0);
+    double sum = 0.0;
+    for (int k = 0; k < POINTS * POINTS; k++) {
+        const double x = reach_m * (2.0 * (k % POINTS) / (POINTS - 1) - 1.0);
+        const double y = reach_m * (2.0 * (k / POINTS) / (POINTS - 1) - 1.0);
+        double at_m[3];
+        for (int i = 0; i < 3; i++) {
+            at_m[i] = d->where.centre_ecef_m[i] + x * d->east[i] + y * d->north[i];
+        }
+        sum += fabs(shadow_at(a, of_a, level, at_m) - shadow_at(b, of_b, level, at_m));
+    }
+    return sum / (POINTS * POINTS);
+}
+
+static double sun_astray(const sundial *d, const velum_shadow_geometry *g) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double lag = d->frame.sun_direction_ecef[i] - (double)g->block.sun[i];
+        sum += lag * lag;
+    }
+    return sqrt(sum);
+}
+
+/* The sun turns by 0.3 degrees over 100 frames: the map turns with it, is where a new one would be, and costs the bands
+ * of its levels and the strips that come into sight. */
+static void maps_follow_the_sun(void **state) {
+    (void)state;
+    enum { FRAMES = 100 };
+    const double turned_rad = 0.0056;
+    float *texels = calloc(4, ALL * sizeof *texels);
+    assert_non_null(texels);
+    float *followed = texels, *begun = texels + ALL, *anew = texels + 2 * ALL, *earlier = texels + 3 * ALL;
+    sundial d;
+    velum_shadow_geometry of_followed, of_begun, of_anew, of_earlier;
+    sundial_init(&d);
+    velum_shadow *map = sundial_map(&d);
+    assert_int_equal(sundial_draw(&d, map, begun, &of_begun), VELUM_OK);
+    assert_int_equal(fixture_shadow_texels(map), ALL);
+    uint64_t newest = ALL, most = 0;
+    uint32_t turns = 0;
+    double step[2] = {0.0, 0.0}; /* greatest change from frame to frame; when the map turns */
+    memcpy(followed, begun, ALL * sizeof *followed);
+    of_followed = of_begun;
+    for (int i = 1; i <= FRAMES; i++) {
+        memcpy(earlier, followed, ALL * sizeof *earlier);
+        of_earlier = of_followed;
+        d.azimuth_rad = turned_rad / sqrt(0.51) * i / FRAMES;
+        d.frame.time_s = i / 60.0;
+        sundial_sun(&d);
+        assert_int_equal(sundial_draw(&d, map, followed, &of_followed), VELUM_OK);
+        assert_true(sun_astray(&d, &of_followed) < 0.00176);
+        const bool has_turned = of_followed.block.sun[0] != of_earlier.block.sun[0];
+        turns += has_turned;
+        const double changed = difference(&d, 0, followed, &of_followed, earlier, &of_earlier);
+        step[has_turned] = fmax(step[has_turned], changed);
+        const uint64_t drawn = fixture_shadow_texels(map) - newest;
+        newest += drawn;
+        most = drawn > most ? drawn : most;
+    }
+    assert_int_equal(turns, 3);
+    /* No more is seen of a turn than of the wind. */
+    assert_true(step[0] > 0.0 && step[1] < step[0]);
+    /* Half a second renews the finer level, two the coarser; then strips of a sixteenth come into sight. */
+    assert_true(most <= 3 * ALL / 16);
+    const double renewed = SIDE * SIDE * FRAMES / 60.0 * (1.0 / 0.5 + 1.0 / 2.0);
+    assert_true((double)(newest - ALL) > 0.8 * renewed && (double)(newest - ALL) < 1.5 * renewed);
+    velum_shadow *new_map = sundial_map(&d);
+    double stayed[LEVELS];
+    assert_int_equal(sundial_draw(&d, new_map, anew, &of_anew), VELUM_OK);
+    for (uint32_t level = 0; level < LEVELS; level++) {
+        const double astray = difference(&d, level, followed, &of_followed, anew, &of_anew);
+        stayed[level] = difference(&d, level, begun, &of_begun, anew, &of_anew);
+        assert_true(stayed[level] > 0.05);
+        assert_true(astray < 0.5 * stayed[level]);
+    }
+    /* At rest it is renewed, then left: as a new one for the sun that it stands at, but for where their texels lie. */
+    for (int i = 0; i < 16; i++) {
+        assert_int_equal(sundial_draw(&d, map, followed, &of_followed), VELUM_OK);
+    }
+    assert_int_equal(sundial_draw(&d, map, followed, &of_followed), VELUM_UNCHANGED);
+    for (int i = 0; i < 3; i++) {
+        d.frame.sun_direction_ecef[i] = (double)of_followed.block.sun[i];
+    }
+    velum_shadow *there = sundial_map(&d);
+    assert_int_equal(sundial_draw(&d, there, anew, &of_anew), VELUM_OK);
+    for (uint32_t level = 0; level < LEVELS; level++) {
+        const double astray = difference(&d, level, followed, &of_followed, anew, &of_anew);
+        assert_true(astray < 0.25 * stayed[level]);
+    }
+    assert_int_equal(d.f.engine_api->destroy_shadow(map), VELUM_OK);
+    assert_int_equal(d.f.engine_api->destroy_shadow(new_map), VELUM_OK);
+    assert_int_equal(d.f.engine_api->destroy_shadow(there), VELUM_OK);
+    free(texels);
+    fixture_finish(&d.f);
+}
+
+/* By a degree: that is another sun, and all is drawn for it. */
+static void another_sun_is_drawn_at_once(void **state) {
+    (void)state;
+    float *texels = calloc(1, ALL * sizeof *texels);
+    assert_non_null(texels);
+    sundial d;
+    velum_shadow_geometry geometry;
+    sundial_init(&d);
+    velum_shadow *map = sundial_map(&d);
+    assert_int_equal(sundial_draw(&d, map, texels, &geometry), VELUM_OK);
+    d.azimuth_rad = 0.02;
+    sundial_sun(&d);
+    assert_int_equal(sundial_draw(&d, map, texels, &geometry), VELUM_OK);
+    assert_int_equal(fixture_shadow_texels(map), 2 * ALL);
+    assert_true(sun_astray(&d, &geometry) < 1e-6);
+    assert_int_equal(d.f.engine_api->destroy_shadow(map), VELUM_OK);
+    free(texels);
+    fixture_finish(&d.f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(shadow_map_is_fixed_to_the_world),
+                                       cmocka_unit_test(maps_follow_the_sun),
+                                       cmocka_unit_test(another_sun_is_drawn_at_once)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
