@@ -31,6 +31,9 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
+/* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. With longer ways
+ * rays pass over towers (test `gpu query`). */
+const float rank_way = 0.05, margin_way = 0.016;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -49,6 +52,17 @@ float reach_bounds(float h, float rise, float low, float high) {
         return rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
     }
     return 0.0;
+}
+
+/* Excess below which a column has no cloud at any height that the ray comes to before it meets one: where `here` is
+ * wanted, and it rises by at most 1 in `rank_m`. */
+float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
+    velum_profile p = hit.profile;
+    float way_m = min(max(here - hit.excess, 0.0) * rank_m, most_m);
+    float then = hit.height_fraction + hit.rise * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
+    float low = clamp(min(then, hit.height_fraction), 0.0, 1.0);
+    float tucked = 1.0 - clamp(max(then, hit.height_fraction) / VELUM_TUCK_TOP, 0.0, 1.0);
+    return min(here, p.reach * pow(low, p.power) + p.tuck * tucked * tucked);
 }
 
 void main() {
@@ -202,7 +216,6 @@ void main() {
         bool covered = hit.covered;
         samples += hit.sampled ? 1u : 0u;
 
-        /* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. */
         float period_m = 1.0 / eye.slots[slot].shape_0.w;
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
@@ -212,8 +225,10 @@ void main() {
         }
         advance = clear_tile ? min(advance, reach_m.x) : advance;
         period_m /= 1.0 + abs(rise) * velum_trail_slope(slot, f) * eye.slots[slot].bounds.z;
-        float gap = min(max(-hit.excess, 0.0) * f.coverage * 0.05 * period_m, texel_m);
-        float clear = covered ? min(max(-hit.margin, 0.0) * 0.016 * period_m, texel_m) : 0.0;
+        float rank_m = f.coverage * rank_way * period_m;
+        float threshold = within ? velum_threshold(hit.profile, hit.height_fraction) : 0.0;
+        float gap = min(max(least_excess(hit, threshold, rank_m, texel_m) - hit.excess, 0.0) * rank_m, texel_m);
+        float clear = covered ? max(min(max(-hit.margin, 0.0) * margin_way * period_m, texel_m), gap) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
         bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
         float own = f.coverage <= 0.0 ? reach_m.y : (within || hangs ? gap : climb);

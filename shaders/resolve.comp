@@ -98,8 +98,17 @@ history_place history_at(view_ray ray, float distance_m) {
     p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
     p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
     vec2 at = p.pixel / view.room.zw;
-    vec2 data = textureLod(history_data_in, at, 0.0).rg;
-    float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
+    vec2 data;
+    float opacity;
+    if (has_depth) {
+        /* Beside an edge of the host's depth a filter would mix what stands on either side. */
+        ivec2 nearest = ivec2(p.pixel);
+        data = texelFetch(history_data_in, nearest, 0).rg;
+        opacity = 1.0 - texelFetch(history_in, nearest, 0).a;
+    } else {
+        data = textureLod(history_data_in, at, 0.0).rg;
+        opacity = 1.0 - textureLod(history_in, at, 0.0).a;
+    }
     /* From where the eye is now. */
     p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
     p.held_m = held_of(p.distance_m, opacity);
@@ -388,14 +397,16 @@ void main() {
         transmittance *= air;
     }
     if (draws_ground) {
-        vec3 r = ray.origin + ray.direction * max(ground, 0.0);
-        velum_place to = place_of(r);
-        float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
-        vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
-        vec3 sky_up = eye.ground.w != 0.0 ? ambient_of(0.0, false) * PI : vec3(0.0);
         bool drawn = !host && ground >= 0.0;
-        light += drawn ? transmittance * eye.ground.rgb / PI * (sun + sky_up) : vec3(0.0);
-        transmittance = drawn ? vec3(0.0) : transmittance;
+        for (int once = drawn ? 0 : 1; once < 1; ++once) {
+            vec3 r = ray.origin + ray.direction * ground;
+            velum_place to = place_of(r);
+            float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
+            vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
+            vec3 sky_up = eye.ground.w != 0.0 ? ambient_of(0.0, false) * PI : vec3(0.0);
+            light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
+            transmittance = vec3(0.0);
+        }
     }
     if (!solid && view_flag(VELUM_VIEW_BLOCK_SUN_DISC)) {
         float radius = max(eye.sun_lx.w, 1e-4);
