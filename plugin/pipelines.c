@@ -279,7 +279,11 @@ static bool create_listed(pipeline_list *list, gpu *g) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     sigset_t all, before;
     sigfillset(&all);
-    /* The host's signals are for the host's threads. */
+    static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT};
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        sigdelset(&all, faults[i]);
+    }
+    /* The host's signals are for the host's threads, but for a fault of their own. */
     pthread_sigmask(SIG_SETMASK, &all, &before);
     while (helper_count < PIPELINE_THREADS_MOST - 1 && helper_count + 1 < processors &&
            helper_count + 1 < list->count && pthread_create(&helpers[helper_count], NULL, make_listed, list) == 0) {

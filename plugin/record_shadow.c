@@ -1,4 +1,4 @@
-/* Cloud shadow maps: planes across the sun, snapped to texels that are fixed to the world for a given sun. */
+/* Cloud shadow maps: planes across the sun, snapped to texels that are fixed to the world until the sun has turned. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,10 +13,12 @@
 #define SNAP_SHARE 16u
 /* While time goes on, in steps up to this, a level is renewed by turns, a band of rows in a frame: in so much time the
  * finest, and each other in 4 times as much, as the wind takes so much longer to cross its texels; within BANDS frames
- * where time goes faster, or has come to rest. */
+ * or one more where time goes faster, or has come to rest. */
 #define BAND_LAG_S 60.0
 #define RENEWED_S 0.5
 #define BANDS 16u
+/* A sun or weather that changes faster than the clock renews it too: a turn to another sun once, a blend so often. */
+#define BLEND_ROUNDS 8.0
 /* The map's sun lags behind the frame's by up to so much (0.1 degrees: 24 s of the day; 9 m from 5 km of height), then
  * turns to it: what is drawn goes on. One that has turned further is another sun. */
 #define SUN_LAG_RAD 0.00175
@@ -173,6 +175,9 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
         return log_fail(&e->sink, VELUM_ERROR_ARGUMENT, "shadow",
                         "record_shadow: frame.centre_ecef_m: no place on the earth");
     }
+    for (int i = 0; i < 3; i++) {
+        block.sun[i] = (float)key->sun[i];
+    }
     const pass which = (pass)(PASS_SHADOW + (blocks_mix(e) ? PASS_MIXED : 0) + (block.table[3] ? PASS_FRINGED : 0));
     if (!frame_engine_set(e, &e->glow, &sets[0]) || !write_set(e, s, &sets[1])) {
         return gpu_result(g);
@@ -221,15 +226,15 @@ static bool follows(const struct shadow_key *before, const struct shadow_key *no
            memcmp(before->state, now->state, sizeof now->state) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
 }
 
-/* Rows that a level has drawn anew in this frame. */
-static uint32_t band_rows(shadow *s, uint32_t k, double step_s) {
+/* Rows that a level has drawn anew in this frame, of `share` that falls due of it. */
+static uint32_t band_rows(shadow *s, uint32_t k, bool rests, double share) {
     shadow_level *level = &s->level[k];
     const uint32_t unit = s->texels < 128 ? 4 : VELUM_GROUP;
     const uint32_t most = (s->texels / BANDS + unit - 1) / unit * unit;
-    level->due_rows += step_s * s->texels / (RENEWED_S * (double)(1u << (2 * k)));
-    level->due_rows = fmin(step_s == 0.0 ? s->texels : level->due_rows, level->stale_rows);
-    const uint32_t due = (uint32_t)level->due_rows / unit * unit;
-    const uint32_t rows = due < most ? due : most;
+    level->due_rows = fmin(rests ? s->texels : level->due_rows + share * s->texels, level->stale_rows);
+    uint32_t rows = (uint32_t)level->due_rows / unit * unit;
+    rows = rows < most ? rows : most;
+    rows = rows < s->texels - level->next_row ? rows : s->texels - level->next_row;
     level->due_rows -= rows;
     return rows;
 }
@@ -274,6 +279,10 @@ static uint32_t continue_level(shadow *s, VkCommandBuffer commands, const struct
     }
     int32_t du = (int32_t)lround(u);
     int32_t dv = (int32_t)lround(v);
+    if (dv != 0 && s->level[level].stale_rows > 0) {
+        /* Those moved away from where the next bands will be. */
+        s->level[level].stale_rows = s->texels;
+    }
     uint32_t count = 0;
     if (rows > 0) {
         out[count++] = (rectangle){level, 0, s->level[level].next_row, s->texels, rows};
@@ -331,7 +340,9 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
         return VELUM_UNCHANGED;
     }
     const double step_s = key.time_s - s->key.time_s;
-    const bool changes = !goes_on || step_s != 0.0 || key.blend != s->key.blend || chord(key.sun, s->key.sun) > 0.0;
+    const double turned =
+        chord(key.sun, s->key.sun) / SUN_TURN_RAD + BLEND_ROUNDS * fabs((double)key.blend - (double)s->key.blend);
+    const bool changes = !goes_on || step_s != 0.0 || turned > 0.0;
     VkBufferCopy copy;
     uint32_t budget = e->owner ? UINT32_MAX : RENDER_TILES;
     tiles_context context = record_tiles_context(e, &budget, &copy, 1);
@@ -350,7 +361,8 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
             continue;
         }
         level->stale_rows = changes ? s->texels : level->stale_rows;
-        const uint32_t rows = band_rows(s, k, step_s);
+        const double share = step_s / (RENEWED_S * (double)(1u << (2 * k))) + turned;
+        const uint32_t rows = band_rows(s, k, step_s == 0.0, share);
         count += continue_level(s, commands, &key, f.centre_ecef_m, k, rows, &rectangles[count]);
         level->stale_rows -= level->stale_rows < rows ? level->stale_rows : rows;
         level->next_row = (level->next_row + rows) % s->texels;

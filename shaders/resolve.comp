@@ -98,20 +98,8 @@ history_place history_at(view_ray ray, float distance_m) {
     p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
     p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
     vec2 at = p.pixel / view.room.zw;
-    vec2 data;
-    float opacity;
-    if (has_depth) {
-        /* Beside an edge of the host's depth a filter would mix what stands on either side. */
-        ivec2 nearest = ivec2(p.pixel);
-        data = texelFetch(history_data_in, nearest, 0).rg;
-        opacity = 1.0 - texelFetch(history_in, nearest, 0).a;
-    } else {
-        data = textureLod(history_data_in, at, 0.0).rg;
-        opacity = 1.0 - textureLod(history_in, at, 0.0).a;
-    }
-    /* From where the eye is now. */
-    p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
-    p.held_m = held_of(p.distance_m, opacity);
+    vec2 data = textureLod(history_data_in, at, 0.0).rg;
+    float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
     p.samples = abs(data.y);
     p.ended = bvec2(false);
     if (has_depth) {
@@ -122,7 +110,16 @@ history_place history_at(view_ray ray, float distance_m) {
         bvec4 counts = greaterThan(weight, vec4(0.01));
         p.ended = bvec2(any(bvec4(uvec4(ends) & uvec4(counts))), all(bvec4(uvec4(ends) | uvec4(not(counts)))));
         p.samples = dot(abs(around), weight);
+        if (p.ended.x && !p.ended.y) {
+            /* A filter would mix what stands on either side of the edge. */
+            ivec2 nearest = ivec2(p.pixel);
+            data = texelFetch(history_data_in, nearest, 0).rg;
+            opacity = 1.0 - texelFetch(history_in, nearest, 0).a;
+        }
     }
+    /* From where the eye is now. */
+    p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(away_m, 1.0);
+    p.held_m = held_of(p.distance_m, opacity);
     return p;
 }
 

@@ -135,11 +135,11 @@ typedef struct velum_view_frame {
     uint32_t path_limit;   /* of the reference: paths that a pixel gets at most; 0: no limit. Others: no effect */
 } velum_view_frame;
 
-/* Where a shadow map is wanted. It is snapped to the world's own texels: the same centre gives the same map whatever
- * any camera does. What is drawn goes on: as time does, the finest level is renewed in half a second, each next one in
- * four times as much; the sun of the map (velum_shadow_block.sun) lags behind the frame's by up to 0.1 degrees. A sun
- * that has turned by more than half a degree since, time that goes back or on by more than a minute, and other weather
- * draw the whole map anew. */
+/* Where a shadow map is wanted. It is snapped to texels of the world's own: the same centre gives the same map whatever
+ * any camera does, as long as the sun stands. What is drawn goes on: as time does, the finest level is renewed in half a
+ * second (in 16 frames, if those take longer), each next one in four times as much. When the sun has turned by 0.1
+ * degrees since, the map turns to it, and is renewed as fast as that makes it stale. A sun that has turned by more than
+ * half a degree since, time that goes back or on by more than a minute, and other weather draw the whole map anew. */
 typedef struct velum_shadow_frame {
     uint32_t struct_size;
     uint32_t flags; /* 0 */
