@@ -86,7 +86,8 @@ enum {
     VELUM_LOG_PLUGIN_DEFECT = 5 /* Velum broke one: please report it */
 };
 
-/* Called in the thread of the call that logs. `object` and `message` die when it returns. It must not call back into
+/* Called in the thread of the call that logs; what validation layers say (VELUM_STANDALONE_VALIDATE) also in threads
+ * that work for create_engine, several at once. `object` and `message` die when it returns. It must not call back into
  * the plugin. A null callback is legal and silent. */
 typedef void(VELUM_CALL *velum_log_fn)(void *context, int32_t severity, const char *object, const char *message);
 
