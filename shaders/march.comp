@@ -31,8 +31,8 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* The rank rises by at most about 1 over an eighth of the period; lumps and detail come and go faster. With longer ways
- * rays pass over towers (test `gpu query`). */
+/* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e. Not
+ * bounds (ranks rise faster over a few texels): with longer ways rays pass over towers (test `gpu query`). */
 const float rank_way = 0.05, margin_way = 0.016;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
@@ -57,12 +57,11 @@ float reach_bounds(float h, float rise, float low, float high) {
 /* Excess below which a column has no cloud at any height that the ray comes to before it meets one: where `here` is
  * wanted, and it rises by at most 1 in `rank_m`. */
 float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
-    velum_profile p = hit.profile;
     float way_m = min(max(here - hit.excess, 0.0) * rank_m, most_m);
     float then = hit.height_fraction + hit.rise * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
-    float low = clamp(min(then, hit.height_fraction), 0.0, 1.0);
-    float tucked = 1.0 - clamp(max(then, hit.height_fraction) / VELUM_TUCK_TOP, 0.0, 1.0);
-    return min(here, p.reach * pow(low, p.power) + p.tuck * tucked * tucked);
+    float low = min(then, hit.height_fraction);
+    float high = max(then, hit.height_fraction);
+    return min(here, velum_threshold_least(hit.profile, min(low, 1.0), max(high, 0.0)));
 }
 
 void main() {

@@ -200,11 +200,16 @@ VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);
 }
 
+/* Below this, threshold of e is nowhere between two height fractions. */
+VELUM_FN float velum_threshold_least(velum_profile p, float z_low, float z_high) {
+    float g = p.reach * VELUM_POW(VELUM_MAX(z_low, 0.0f), p.power);
+    float low = 1.0f - VELUM_MIN(z_high * (1.0f / VELUM_TUCK_TOP), 1.0f);
+    return g + p.tuck * low * low;
+}
+
 /* Threshold of e at height fraction z. */
 VELUM_FN float velum_threshold(velum_profile p, float z) {
-    float g = p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
-    float low = 1.0f - VELUM_MIN(z * (1.0f / VELUM_TUCK_TOP), 1.0f);
-    g = g + p.tuck * low * low;
+    float g = velum_threshold_least(p, z, z);
     if (p.stem > 0.0f) {
         g = g + p.stem * VELUM_MIN(VELUM_STEM_SLOPE * z, 1.0f) * (1.0f - velum_anvil(z));
     }
