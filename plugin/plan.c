@@ -75,8 +75,8 @@ void plan_make(const engine *e, eye *y) {
                            .step_m = p.step_m,
                            .step_growth = p.step_growth,
                            .distance_m = distance_m};
-    plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels", p.name,
-                setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
+    plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels",
+                p.name, setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
                 p.light_steps, setting.ray_rate);
     budget_reasons(e, y);
     if (y->tiles.mask == 0) {
