@@ -154,8 +154,9 @@ float sun_reach_m(velum_slot_fields f, float height_m, float mu_sun) {
     return min((f.top_m - height_m) / max(mu_sun, 0.06), 2.5 * (f.top_m - f.base_m) + 1500.0);
 }
 
-/* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean. */
-float sun_share(cloud_hit hit, float mu_sun) {
+/* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
+ * sheet (`closed`), whose table knows all of it. */
+float sun_share(cloud_hit hit, float mu_sun, float closed) {
     float share = 1.0;
     for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
@@ -165,10 +166,9 @@ float sun_share(cloud_hit hit, float mu_sun) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
         }
-        bool sheet = slot == hit.slot && slot >= VELUM_SLOT_UNIFORM;
         float cloud_m = VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
         velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, cloud_m);
-        share *= sheet ? 1.0 : light.open + light.through;
+        share *= mix(light.open + light.through, 1.0, slot == hit.slot ? closed : 0.0);
     }
     return share;
 }
@@ -338,8 +338,10 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
         float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
         h = STUDIED(study_at_point() ? hit.height_m : h, h);
         float whole = ways.up + ways.down;
-        float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : min(depth * max(mu_sun, 0.0), whole);
-        float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : whole - over;
+        /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
+        float toward = mix(min(depth * max(mu_sun, 0.0), whole), ways.up, sqrt(ways.up / max(whole, 1.0e-6)));
+        float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : toward;
+        float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : ways.down;
         float along = uniform_layer ? over / max(mu_sun, 1e-3) : depth;
         vec2 sky = scattered_sky(which, uniform_layer ? over : ways.up, uniform_layer ? under : ways.down, -hit.rise);
         float narrow = velum_scattering_first(phases.cos_sun, g, peak, straight * along);
@@ -357,14 +359,14 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
  * sample it comes from, if that is known better. */
 vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
     float mu_sun = dot(hit.normal, eye.sun.xyz);
-    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun);
+    bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
+    float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
+    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun, closed);
     float depth = STUDIED(study_sun_depth(hit.r, sun_depth(hit, mu_sun, steps, start)),
                           sun_depth(hit, mu_sun, steps, start));
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
-    bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     if (velum_closes) {
-        float closed = uniform_layer ? 1.0 : closed_share(hit);
         for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
             vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
             source = uniform_layer ? tabled : mix(source, tabled, closed);

@@ -15,7 +15,7 @@ typedef struct scene {
 
 typedef struct answer {
     double luminance, transmittance; /* mean */
-    double most;
+    double most, spread;             /* of luminance; standard deviation */
 } answer;
 
 static answer look(fixture *f, const scene *s) {
@@ -56,13 +56,16 @@ static answer look(fixture *f, const scene *s) {
         assert_int_equal(f->standalone_api->render(f->engine, &frame, &at, 1, 0, &pixels, 1, 0), VELUM_OK);
     }
     answer a = {0};
+    double squares = 0.0;
     for (int i = 0; i < 3 * PIXELS; i++) {
         double luminance = (double)light[i];
         assert_true(isfinite(luminance) && luminance >= 0.0 && through[i] >= 0.0f && through[i] <= 1.0f);
         a.luminance += luminance / (3 * PIXELS);
         a.transmittance += (double)through[i] / (3 * PIXELS);
         a.most = fmax(a.most, luminance);
+        squares += luminance * luminance / (3 * PIXELS);
     }
+    a.spread = sqrt(fmax(squares - a.luminance * a.luminance, 0.0));
     free(through);
     free(light);
     assert_int_equal(f->engine_api->destroy_view(view), VELUM_OK);
@@ -121,6 +124,42 @@ static void white_ground_under_deep_cloud_gains_nothing(void **state) {
     fixture_finish(&f);
 }
 
+/* A deep sheet without gaps is dark, and evenly so, from below, and lets as much light through as a uniform layer of
+ * its optical depth; wherever the sun stands, though its way through the sheet be longer than any march. */
+static void a_closed_sheet_lets_light_through_as_a_slab_does(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    const float depth = 60.0f;
+    velum_layer slab = fixture_slab(depth);
+    slab.flags |= VELUM_LAYER_PHASE_HG;
+    slab.hg_asymmetry = 0.879f; /* mean cosine of droplets: velum_phase_lobes_cloud */
+    velum_layer sheet = fixture_cumulus();
+    sheet.genus = VELUM_GENUS_NS;
+    sheet.coverage = 1.0f;
+    sheet.base_m = 1000.0f;
+    sheet.top_m = 4000.0f;
+    sheet.flags |= VELUM_LAYER_EXTINCTION;
+    sheet.extinction_1_m = depth / 3000.0f;
+    const double suns_deg[] = {58.0, 15.0};
+    for (int i = 0; i < 2; i++) {
+        const scene s = {.height_m = 120.0,
+                         .pitch_deg = 50.0,
+                         .sun_deg = suns_deg[i],
+                         .quality = VELUM_QUALITY_HIGH,
+                         .atmosphere = VELUM_ATMOSPHERE_NONE};
+        fixture_commit(&f, &slab, 1);
+        const answer even = look(&f, &s);
+        fixture_commit(&f, &sheet, 1);
+        const answer found = look(&f, &s);
+        print_message("sun at %g degrees: slab %.4g cd/m2, sheet %.4g, standard deviation %.3f of it\n", suns_deg[i],
+                      even.luminance, found.luminance, found.spread / found.luminance);
+        assert_float_equal(found.luminance, even.luminance, 0.2 * even.luminance);
+        assert_true(found.spread < 0.12 * found.luminance);
+    }
+    fixture_finish(&f);
+}
+
 /* A step from far above may not pass over a layer. */
 static void cloud_is_met_from_any_height(void **state) {
     (void)state;
@@ -170,6 +209,7 @@ static void cloud_shades_the_air_under_a_low_sun(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_sea_below_the_ellipsoid_is_like_any),
                                        cmocka_unit_test(white_ground_under_deep_cloud_gains_nothing),
+                                       cmocka_unit_test(a_closed_sheet_lets_light_through_as_a_slab_does),
                                        cmocka_unit_test(cloud_is_met_from_any_height),
                                        cmocka_unit_test(cloud_shades_the_air_under_a_low_sun)};
     return cmocka_run_group_tests(tests, NULL, NULL);
