@@ -140,6 +140,9 @@ vec3 glow_at(float height_m, float mu_sun, vec3 albedo) {
            albedo * textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb;
 }
 
+/* Of light that clouds have turned, what haze turns more than once: fitted to the reference, to haze under overcast. */
+const float diffused = 1.25;
+
 struct air_light {
     vec3 luminance; /* per unit sun_lx, already times it */
     vec3 transmittance;
@@ -182,7 +185,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         turned += fog_scaled + haze_scaled;
     }
     /* What has come through cloud comes from all over it. */
-    source += turned * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
+    source += turned * sun * (diffused * shade.y) * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         source += turned * shade.w * glow_at(height_m, mu_sun, albedo);
     }

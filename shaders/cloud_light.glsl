@@ -226,9 +226,10 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
  * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
-const float turns = 0.09; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_share = 0.72; /* of the depth along the sun: of its face's */
-const float deep_share = 0.74;
+const float turns = 0.085; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_share = 1.2; /* of the depth along the sun: of its face's */
+const float dark_share = 0.7; /* of the ways that light takes out of the dark side: uneven cloud leaks */
+const float deep_share = 0.8;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
 const float lump_face = 0.6, lump_low = 0.4;
@@ -236,10 +237,12 @@ const float deck_face = 0.38, deck_tilt = 0.29;
 const float wall_share = 0.5; /* of what a lit wall sends to its neighbours */
 const float storm_share = 0.95; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
-const float limb = 2.2; /* diffuse light leaves a face steeply rather than along it */
+const float limb = 2.1; /* diffuse light leaves a face steeply rather than along it */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-/* What is carved off a cloud leaves crevices, whose walls hide the light about it: by the depth of the carving, in e. */
-const float crevice = 1.0;
+/* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
+const float crevice = 0.6;
+const float flank_share = 0.15; /* of the noise's period: from hem to heart */
+const float onset = 0.107; /* of light that has turned, by the depth of all of the cloud */
 const float widened_share = 0.55, widened_loss = 0.21;
 
 struct ways_out {
@@ -257,8 +260,7 @@ ways_out ways_out_of(cloud_hit hit) {
     ways_out ways;
     ways.up = column * clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
     ways.down = column * z;
-    /* About a tenth of the noise's period from hem to heart. */
-    ways.flank = inner * max(hit.margin, 0.0) * 0.09 / eye.slots[hit.slot].shape_0.w;
+    ways.flank = inner * max(hit.margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
 
@@ -285,7 +287,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float dark = down + max(flank - lit, 0.0);
-    float diffuse = lit / (lit + dark) * (1.0 - exp(-0.10 * whole)) * max(1.0 + limb * hit.rise * (down - up), 0.0);
+    float steep = max(1.0 + limb * hit.rise * (down - up), 0.0);
+    float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m);
     vec3 below = ambient_under(hit.fields.base_m);
     float walls = storm ? max(hit.fields.coverage, storm_walls) : hit.fields.coverage;
@@ -293,8 +296,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
     carved = is_fringe(hit) ? 0.0 : carved;
     float open = 1.0 / (1.0 + crevice * carved);
-    return sun * (first + widened + deep * diffuse) +
-           open * (above * up + below * down + beside * flank) / (up + down + flank);
+    return sun * (first + widened + open * deep * diffuse) +
+           (above * up + below * down + beside * flank) / (up + down + flank);
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its

@@ -23,9 +23,15 @@ VELUM_FN float velum_free_lines(float coverage, float down, float aside_m, float
     return VELUM_EXP2((down + aside_m / cloud_m) * VELUM_LOG2(VELUM_MAX(1.0f - coverage, 1.0e-6f)));
 }
 
+/* Of what clouds turn back, by the gaps between them; not of a sun so low (cosine) that it meets their sides alone. Fitted
+ * to the reference, to haze under broken cloud. */
+#define VELUM_ASIDE_SHARE 0.6f
+#define VELUM_ASIDE_LOW 0.3f
+
 VELUM_STRUCT(velum_layer_light) {
     float open;    /* share of the sun's beam that passes the layer above a height, or nearly keeps its way in it */
     float through; /* share of its flux that comes through otherwise */
+    float aside;   /* share of it that leaves the clouds sideways and comes down between them */
 };
 
 /* `seen_m`: so far along the way the cloud is known, and none of it counts; 0: nothing is known. */
@@ -41,6 +47,8 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
     float straight = VELUM_EXP(-VELUM_TURNING_SHARE * depth / VELUM_MAX(mu_sun, 0.02f));
     light.open = unmet + (1.0f - unmet) * straight;
     light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
+    light.aside = VELUM_ASIDE_SHARE * VELUM_MIN(VELUM_MAX(mu_sun, 0.0f) / VELUM_ASIDE_LOW, 1.0f) * unmet *
+                  (1.0f - light.open - light.through);
     return light;
 }
 

@@ -51,10 +51,16 @@ static void layers_shade_what_is_under_them(void **state) {
     for (float mu = 1.0f; mu > 0.005f; mu *= 0.8f) {
         const velum_layer_light light = velum_layer_light_at(cloud, 200.0f, mu, 0.0f, 800.0f);
         assert_true(light.open >= 0.0f && light.open <= last && light.through >= 0.0f);
-        assert_true(light.open + light.through <= 1.0f + 1e-6f);
+        assert_true(light.aside >= 0.0f && light.open + light.through + light.aside <= 1.0f + 1e-6f);
         last = light.open;
     }
     assert_true(last < 1e-4f);
+    /* Nothing comes down beside clouds where there is no gap, nor from a sun that has set. */
+    assert_true(velum_layer_light_at(cloud, 200.0f, 0.6f, 0.0f, 800.0f).aside > 0.05f);
+    assert_true(velum_layer_light_at(cloud, 200.0f, -0.1f, 0.0f, 800.0f).aside == 0.0f);
+    velum_slot_fields deck = cloud;
+    deck.coverage = 1.0f;
+    assert_true(velum_layer_light_at(deck, 200.0f, 0.6f, 0.0f, 800.0f).aside < 1e-4f);
     /* Thin cloud takes nothing, and where the way is known nothing is taken twice. */
     velum_slot_fields veil = cloud;
     veil.extinction_1_m = 1e-7f;
