@@ -43,7 +43,7 @@ static void add_shade(const core_column *column, float mu_sun, float albedo, flo
         velum_layer_light even = velum_layer_light_at(f, height_m, SKY_MU, 0.0f, cloud_m);
         beam *= above.open;
         sun = add_layer(sun, above.open + above.through + above.aside);
-        sky = add_layer(sky, even.open + even.through);
+        sky = add_layer(sky, even.open + even.through + even.aside * velum_aside_of(mu_sun));
         f.top_m = fminf(f.top_m, height_m);
         if (f.top_m > f.base_m) {
             velum_layer_light under = velum_layer_light_at(f, f.base_m, mu_sun, 0.0f, cloud_m);

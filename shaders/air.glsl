@@ -140,7 +140,8 @@ vec3 glow_at(float height_m, float mu_sun, vec3 albedo) {
            albedo * textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb;
 }
 
-/* Of light that clouds have turned, what haze turns more than once: fitted to the reference, to haze under overcast. */
+/* Of light that clouds have turned, with all orders of it in air and haze: fitted to the reference, to haze under
+ * overcast. */
 const float diffused = 1.25;
 
 struct air_light {
@@ -184,7 +185,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         source += sun * beam * direct * first + clean * daylight * (fog_scaled + haze_scaled) * others;
         turned += fog_scaled + haze_scaled;
     }
-    /* What has come through cloud comes from all over it. */
+    /* What has come through cloud, or aside of it, comes from all over it. */
     source += turned * sun * (diffused * shade.y) * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         source += turned * shade.w * glow_at(height_m, mu_sun, albedo);

@@ -225,10 +225,10 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
- * shines alike; a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
+ * shines alike; sky over a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.085; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_share = 1.2; /* of the depth along the sun: of its face's */
-const float dark_share = 0.7; /* of the ways that light takes out of the dark side: uneven cloud leaks */
+const float lit_depth = 1.2;  /* of the lit face, over that along the sun */
+const float dark_share = 0.7; /* of the sun's light that turns to the ways out of the dark side: less than Eddington's */
 const float deep_share = 0.8;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
@@ -241,7 +241,7 @@ const float limb = 2.1; /* diffuse light leaves a face steeply rather than along
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 /* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
 const float crevice = 0.6;
-const float flank_share = 0.15; /* of the noise's period: from hem to heart */
+const float flank_share = 0.15; /* of the noise's period: from hem to heart of what light crosses */
 const float onset = 0.107; /* of light that has turned, by the depth of all of the cloud */
 const float widened_share = 0.55, widened_loss = 0.21;
 
@@ -273,7 +273,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float up = 1.0 / (1.0 + turns * ways.up);
     float down = 1.0 / (1.0 + turns * ways.down);
     float flank = 1.0 / (1.0 + turns * ways.flank);
-    float lit = 1.0 / (1.0 + lit_share * turns * depth);
+    float lit = 1.0 / (1.0 + lit_depth * turns * depth);
     /* Near a top or a base the flank is no other way. */
     flank = max(flank - max(up, down), 0.0);
 
@@ -329,6 +329,9 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     float wide = velum_phase_draine(phases.cos_sun, lobes.g_second, lobes.alpha_second);
     velum_slab_span span = slab_span(hit);
     velum_slab_light light = slab_light(hit, span, mu_sun);
+    /* Beyond what sun_depth has seen, the sheet goes on as it was. */
+    float way_m = (f.top_m - hit.height_m) / max(mu_sun, 0.06);
+    depth *= max(way_m / max(sun_reach_m(f, hit.height_m, mu_sun), 1.0), 1.0);
     light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
     float inside = f.extinction_1_m * span.inside_m;
     vec3 above = ambient_over(f.top_m);
@@ -342,9 +345,10 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
         h = STUDIED(study_at_point() ? hit.height_m : h, h);
         float whole = ways.up + ways.down;
         /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
-        float toward = mix(min(depth * max(mu_sun, 0.0), whole), ways.up, sqrt(ways.up / max(whole, 1.0e-6)));
+        float column = sqrt(ways.up / max(whole, 1.0e-6));
+        float toward = mix(min(depth * max(mu_sun, 0.0), whole), ways.up, column);
         float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : toward;
-        float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : ways.down;
+        float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : mix(whole - toward, ways.down, column);
         float along = uniform_layer ? over / max(mu_sun, 1e-3) : depth;
         vec2 sky = scattered_sky(which, uniform_layer ? over : ways.up, uniform_layer ? under : ways.down, -hit.rise);
         float narrow = velum_scattering_first(phases.cos_sun, g, peak, straight * along);

@@ -23,10 +23,13 @@ VELUM_FN float velum_free_lines(float coverage, float down, float aside_m, float
     return VELUM_EXP2((down + aside_m / cloud_m) * VELUM_LOG2(VELUM_MAX(1.0f - coverage, 1.0e-6f)));
 }
 
-/* Of what clouds turn back, by the gaps between them; not of a sun so low (cosine) that it meets their sides alone. Fitted
- * to the reference, to haze under broken cloud. */
+/* Of what clouds turn back, by the gaps between them. Fitted to the reference, to haze under broken cloud. */
 #define VELUM_ASIDE_SHARE 0.6f
+/* A sun whose cosine is less meets the sides of clouds, and the sky is bright where they stand closest. */
 #define VELUM_ASIDE_LOW 0.3f
+VELUM_FN float velum_aside_of(float mu_sun) {
+    return VELUM_MIN(VELUM_MAX(mu_sun, 0.0f) * (1.0f / VELUM_ASIDE_LOW), 1.0f);
+}
 
 VELUM_STRUCT(velum_layer_light) {
     float open;    /* share of the sun's beam that passes the layer above a height, or nearly keeps its way in it */
@@ -47,8 +50,7 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
     float straight = VELUM_EXP(-VELUM_TURNING_SHARE * depth / VELUM_MAX(mu_sun, 0.02f));
     light.open = unmet + (1.0f - unmet) * straight;
     light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
-    light.aside = VELUM_ASIDE_SHARE * VELUM_MIN(VELUM_MAX(mu_sun, 0.0f) / VELUM_ASIDE_LOW, 1.0f) * unmet *
-                  (1.0f - light.open - light.through);
+    light.aside = VELUM_ASIDE_SHARE * velum_aside_of(mu_sun) * unmet * (1.0f - light.open - light.through);
     return light;
 }
 
@@ -59,7 +61,7 @@ VELUM_FN float velum_shade_albedo(float reflected, float ground, float mean) {
 }
 
 /* By height: x, the share of the sun's beam that passes between the clouds above; y, of its flux that comes through
- * them; z, the reflectance of the clouds below; w, the share of the sky's flux that passes the clouds above. Levels at
+ * them and aside of them; z, the reflectance of the clouds below; w, the share of the sky's flux that passes the clouds above. Levels at
  * heights VELUM_SHADE_TOP_M (i / last)^2. */
 #define VELUM_SHADE_LEVELS 32
 #define VELUM_SHADE_TOP_M 20000.0f

@@ -135,7 +135,7 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
     for (uint32_t hour = 0; ok && hour < HOURS; hour++) {
         for (uint32_t place = 0; place < PLACES; place++) {
             const picture *found = &drawn->found[hour][place], *r = &drawn->references[hour][place].picture;
-            const double exposure = picture_exposure(r->count > 0 ? r : found);
+            const double exposure = picture_exposure(found); /* the reference's brightest are noise */
             const uint32_t x = place * (pair + 2 * GAP), y = hour * (h + GAP);
             sheet_put_picture(&out, x, y, found, exposure);
             if (r->count > 0) {
