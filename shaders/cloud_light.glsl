@@ -235,9 +235,10 @@ const float deep_share = 0.8;
 const float lump_face = 0.6, lump_low = 0.4;
 const float deck_face = 0.38, deck_tilt = 0.29;
 const float wall_share = 0.5; /* of what a lit wall sends to its neighbours */
+const float walls_seen = 0.65; /* of what flanks see where cloud covers all; the rest is sky and ground */
 const float storm_share = 0.95; /* the same of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
-const float limb = 2.1; /* diffuse light leaves a face steeply rather than along it */
+const float limb = 2.0; /* diffuse light leaves a face steeply rather than along it */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 /* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
 const float crevice = 0.6;
@@ -291,7 +292,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m);
     vec3 below = ambient_under(hit.fields.base_m);
-    float walls = storm ? max(hit.fields.coverage, storm_walls) : hit.fields.coverage;
+    float walls = storm ? max(hit.fields.coverage, storm_walls) : walls_seen * hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
     carved = is_fringe(hit) ? 0.0 : carved;
