@@ -307,20 +307,20 @@ vec3 air_before_cloud(vec3 o, vec3 d, vec3 light, float through, float distance_
     return any && eye.ground.w != 0.0 ? light * air.transmittance + air.luminance * (1.0 - through) : light;
 }
 
-/* Mean luminance of the upper (below: the lower) half of the world as seen from a height, by levels as in
- * shared/shade.h. */
-vec3 ambient_of(float level, bool below) {
-    float x = level + (below ? float(VELUM_SHADE_LEVELS) : 0.0) + 0.5;
-    return textureLod(sky_table, vec2(x / float(VELUM_SKY_W), (float(VELUM_SKY_H) - 0.5) / float(VELUM_SKY_H)), 0.0)
-        .rgb * VELUM_LUMINANCE_UNIT;
+/* The upper (below: the lower) half of the world as seen from a height, by levels as in shared/shade.h: mean luminance;
+ * `even`: of an even half whose flux onto a level face is the same. */
+vec3 half_world(float level, bool below, bool even) {
+    float x = level + float((below ? VELUM_SHADE_LEVELS : 0) + (even ? 2 * VELUM_SHADE_LEVELS : 0)) + 0.5;
+    vec2 place = vec2(x / float(VELUM_SKY_W), (float(VELUM_SKY_H) - 0.5) / float(VELUM_SKY_H));
+    return textureLod(sky_table, place, 0.0).rgb * VELUM_LUMINANCE_UNIT;
 }
 
 /* From the next level beyond a layer's face: with nothing of the layer itself. */
-vec3 ambient_over(float top_m) {
-    return ambient_of(ceil(velum_shade_level_of(top_m)), false);
+vec3 ambient_over(float top_m, bool even) {
+    return half_world(ceil(velum_shade_level_of(top_m)), false, even);
 }
-vec3 ambient_under(float base_m) {
-    return ambient_of(floor(velum_shade_level_of(base_m)), true);
+vec3 ambient_under(float base_m, bool even) {
+    return half_world(floor(velum_shade_level_of(base_m)), true, even);
 }
 
 #endif

@@ -229,7 +229,7 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 const float turns = 0.085; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.2;  /* of the lit face, over that along the sun */
 const float dark_share = 0.7; /* of the sun's light that turns to the ways out of the dark side: less than Eddington's */
-const float deep_share = 0.8;
+const float deep_share = 0.81;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
 const float lump_face = 0.6, lump_low = 0.4;
@@ -290,8 +290,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float dark = down + max(flank - lit, 0.0);
     float steep = max(1.0 + limb * hit.rise * (down - up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
-    vec3 above = ambient_over(hit.fields.top_m);
-    vec3 below = ambient_under(hit.fields.base_m);
+    vec3 above = ambient_over(hit.fields.top_m, false);
+    vec3 below = ambient_under(hit.fields.base_m, false);
     float walls = storm ? max(hit.fields.coverage, storm_walls) : walls_seen * hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
@@ -335,8 +335,8 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     depth *= max(way_m / max(sun_reach_m(f, hit.height_m, mu_sun), 1.0), 1.0);
     light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
     float inside = f.extinction_1_m * span.inside_m;
-    vec3 above = ambient_over(f.top_m);
-    vec3 below = ambient_under(f.base_m);
+    vec3 above = ambient_over(f.top_m, true);
+    vec3 below = ambient_under(f.base_m, true);
     vec3 source = vec3(0.0);
     /* Two points of Gauss and Legendre over the light that a step through a uniform layer takes. */
     int points = uniform_layer ? 2 : 1;
@@ -387,8 +387,8 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
         bool ice = hit.slot == VELUM_SLOT_HIGH;
         study_light theirs;
         theirs.sun = sun;
-        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m);
-        theirs.below = uniform_layer ? vec3(0.0) : ambient_under(f.base_m);
+        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m, false);
+        theirs.below = uniform_layer ? vec3(0.0) : ambient_under(f.base_m, false);
         theirs.cos_sun = phases.cos_sun;
         theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
         theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;

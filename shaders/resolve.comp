@@ -400,7 +400,7 @@ void main() {
             velum_place to = place_of(r);
             float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
             vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
-            vec3 sky_up = eye.ground.w != 0.0 ? ambient_of(0.0, false) * PI : vec3(0.0);
+            vec3 sky_up = eye.ground.w != 0.0 ? half_world(0.0, false, true) * PI : vec3(0.0);
             light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
             transmittance = vec3(0.0);
         }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last row:
- * mean luminance of the half world above (texels 0..31) and below (32..63), at the levels of shared/shade.h. */
+ * mean luminance of the half world above (texels 0..31) and below (32..63), at the levels of shared/shade.h; then the
+ * same of even halves of as much flux (64..127). */
 #include "air.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
@@ -21,7 +22,8 @@ float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
 }
 
 vec3 ambient(int index) {
-    bool below = index >= VELUM_SHADE_LEVELS;
+    bool even = index >= 2 * VELUM_SHADE_LEVELS;
+    bool below = (index / VELUM_SHADE_LEVELS & 1) != 0;
     float height_m = velum_shade_height_m(index % VELUM_SHADE_LEVELS);
     vec3 up = eye.up.xyz;
     vec3 o = up * (max(height_m, 10.0) - eye.up.w);
@@ -36,8 +38,8 @@ vec3 ambient(int index) {
     vec3 from_above = flux * sun_through_air(height_m, mu_sun) * here.y;
     vec3 from_cloud = flux * sun_through_air(0.5 * height_m, mu_sun) * (here.x + here.y) * here.z;
     vec3 sum = vec3(0.0);
-    float weights = 0.0;
-    for (int k = 0; k < 16; ++k) {
+    const int count = 16;
+    for (int k = 0; k < count; ++k) {
         float c = (float(k / 4) + 0.5) / 4.0;
         float a = 2.0 * PI * (float(k % 4) + 0.5 + 0.25 * float(k / 4)) / 4.0;
         float s = sqrt(1.0 - c * c);
@@ -51,10 +53,9 @@ vec3 ambient(int index) {
         } else {
             luminance += sqrt(light.transmittance) * from_above;
         }
-        sum += luminance;
-        weights += 1.0;
+        sum += (even ? 2.0 * c : 1.0) * luminance;
     }
-    return sum / weights;
+    return sum / float(count);
 }
 
 void main() {
@@ -64,7 +65,7 @@ void main() {
     }
     vec3 result = vec3(0.0);
     if (texel.y == VELUM_SKY_H - 1) {
-        if (texel.x < 2 * VELUM_SHADE_LEVELS) {
+        if (texel.x < 4 * VELUM_SHADE_LEVELS) {
             result = ambient(texel.x);
         }
     } else if (eye.ground.w != 0.0) {
