@@ -149,9 +149,12 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     }
 }
 
-/* How far sun_depth looks. */
+/* The way to the sun within a layer, and how far of it sun_depth looks. */
+float sun_way_m(velum_slot_fields f, float height_m, float mu_sun) {
+    return (f.top_m - height_m) / max(mu_sun, 0.06);
+}
 float sun_reach_m(velum_slot_fields f, float height_m, float mu_sun) {
-    return min((f.top_m - height_m) / max(mu_sun, 0.06), 2.5 * (f.top_m - f.base_m) + 1500.0);
+    return min(sun_way_m(f, height_m, mu_sun), 2.5 * (f.top_m - f.base_m) + 1500.0);
 }
 
 /* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
@@ -225,18 +228,20 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
- * shines alike; sky over a slab between two faces is Eddington's. Fitted to the reference over the scenes of tests/accuracy. */
+ * shines alike; sky over a slab between two faces is Eddington's. Fitted to the reference over the scenes of
+ * tests/accuracy. */
 const float turns = 0.085; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_depth = 1.2;  /* of the lit face, over that along the sun */
-const float dark_share = 0.7; /* of the sun's light that turns to the ways out of the dark side: less than Eddington's */
+const float lit_depth = 1.2; /* of the lit face, over that along the sun */
+const float dark_share = 0.7; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
 const float deep_share = 0.81;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
 const float lump_face = 0.6, lump_low = 0.4;
 const float deck_face = 0.38, deck_tilt = 0.29;
-const float wall_share = 0.5; /* of what a lit wall sends to its neighbours */
-const float walls_seen = 0.65; /* of what flanks see where cloud covers all; the rest is sky and ground */
-const float storm_share = 0.95; /* the same of storms, whose walls are the most that they are... */
+/* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
+ */
+const float wall_share = 0.5, walls_seen = 0.65;
+const float storm_share = 0.95; /* the first of storms, whose walls are the most that they are... */
 const float storm_walls = 0.8;  /* ... and most of what their flanks see */
 const float limb = 2.0; /* diffuse light leaves a face steeply rather than along it */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
@@ -331,8 +336,7 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     velum_slab_span span = slab_span(hit);
     velum_slab_light light = slab_light(hit, span, mu_sun);
     /* Beyond what sun_depth has seen, the sheet goes on as it was. */
-    float way_m = (f.top_m - hit.height_m) / max(mu_sun, 0.06);
-    depth *= max(way_m / max(sun_reach_m(f, hit.height_m, mu_sun), 1.0), 1.0);
+    depth *= max(sun_way_m(f, hit.height_m, mu_sun) / max(sun_reach_m(f, hit.height_m, mu_sun), 1.0), 1.0);
     light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
     float inside = f.extinction_1_m * span.inside_m;
     vec3 above = ambient_over(f.top_m, true);
