@@ -64,10 +64,10 @@ static void foot_of(const float point_m[3], const float normal[3], float height_
     }
 }
 
-/* Rank of the column over a foot, at a height: the trails of cirrus bend it. */
+/* Rank of the column over a foot, at a height, where columns lean. */
 static float rank_at(const core_cloud_noise *cloud, const velum_slot_fields *f, const float foot_m[3],
                      const float normal[3], float height_m) {
-    const velum_noise_point p = velum_trail(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
+    const velum_noise_point p = velum_lean(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
     const float bent_m[3] = {foot_m[0] + p.x, foot_m[1] + p.y, foot_m[2] + p.z};
     return core_cloud_rank(cloud, f, bent_m);
 }

@@ -48,11 +48,20 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
     return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale, kind * scale};
 }
 
-/* Metres of noise over a metre along the layer by which trails grow longer or shorter: see velum_trail. */
-static float trail_change(uint32_t slot, slopes change) {
-    return slot == VELUM_SLOT_HIGH ? velum_noise_of((int)slot).stretch * (2.0f * VELUM_TRAIL_M * change.kind_1_m +
-                                                                          3.0f * VELUM_TRAIL_MOST * change.height)
-                                   : 0.0f;
+/* Of the thickest layer: how far the wind can carry an anvil. */
+#define ANVIL_MOST_M (VELUM_ANVIL_LAG_MOST * 22000.0f)
+
+/* Metres of noise over a metre along the layer by which columns lean more or less: see velum_lean. */
+static float lean_change(uint32_t slot, slopes change) {
+    switch (slot) {
+    case VELUM_SLOT_HIGH:
+        return velum_noise_of((int)slot).stretch *
+               (2.0f * VELUM_TRAIL_M * change.kind_1_m + 3.0f * VELUM_TRAIL_MOST * change.height);
+    case VELUM_SLOT_STORM:
+        return VELUM_ANVIL_LAG_S * change.wind_1_s + ANVIL_MOST_M * change.kind_1_m +
+               (VELUM_STORM_CLIMB + 3.0f * VELUM_ANVIL_LAG_MOST) * change.height;
+    default: return 0.0f;
+    }
 }
 
 static float page_most_1_m(velum_slot_fields f, velum_profile p) {
@@ -170,7 +179,7 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         out->shape[0] = change.wind_1_s;
         out->shape[1] = change.coverage_1_m;
         out->shape[2] = change.height;
-        out->shape[3] = trail_change(slot, change);
+        out->shape[3] = lean_change(slot, change);
     }
     if (!even && slot < VELUM_SLOT_UNIFORM) {
         out->most[0] *= SLACK;

@@ -160,7 +160,8 @@ float noise_away(vec3 q, float rank) {
 float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slot_fields f, float own_cover, float rank,
                   vec3 r, vec3 normal, float h, float rise, float run, out float slope) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 foot = r - normal * h;
+    velum_noise_point lean = velum_lean(slot, f, h, normal.x, normal.y, normal.z);
+    vec3 foot = r - normal * h + vec3(lean.x, lean.y, lean.z);
     float stretch = eye.slots[slot].bounds.z;
     /* Columns reach so high only where their rank is greater: as good on the way down as long as it is short. */
     float thickness = max(s.high - s.base, 1.0);
@@ -212,7 +213,7 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float thickness = max(f.top_m - f.base_m, 1.0);
     float climb = abs(rise) / thickness;
     float carve = 1.6 * p.amplitude;
-    float up = 2.0 * p.tuck / VELUM_TUCK_TOP + VELUM_ANVIL_SLOPE * (p.stem + p.damp * carve);
+    float up = 2.0 * p.tuck / VELUM_TUCK_TOP + VELUM_ANVIL_SLOPE * (p.stem + VELUM_ANVIL_SMOOTH * p.damp * carve);
     float low = 5.0 * carve * (1.0 - p.foot) + VELUM_STEM_SLOPE * p.stem;
     float down = p.reach * p.power * pow(max(z, 1e-3), p.power - 1.0) + low;
     float along_z = climb * (rise > 0.0 ? up : down) + s.bend * (up + p.reach * p.power + low);

@@ -167,8 +167,8 @@ vec3 noise_place(vec3 r, vec4 phase, float stretch) {
 /* Rank of the column over the foot of r, at height over the ellipsoid, along normal. */
 float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    velum_noise_point trail = velum_trail(slot, f, height_m, normal.x, normal.y, normal.z);
-    vec3 foot = r - normal * height_m + vec3(trail.x, trail.y, trail.z);
+    velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y, normal.z);
+    vec3 foot = r - normal * height_m + vec3(lean.x, lean.y, lean.z);
     float stretch = eye.slots[slot].bounds.z;
     vec3 p = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
     float rank = velum_shape_at(p.x, p.y, p.z);

@@ -75,10 +75,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.4514f, 0.9018f, 0.0519f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.1527f, 0.5380f, -0.0475f, -0.1734f, 0.3448f, 3.0920f, -0.0045f, -0.0264f,
-                                   0.0508f, 0.9010f, 0.0162f);
-        b = velum_calibration_make(10600.0f, 1.2381f, 0.5159f, -0.0311f, -0.0762f, 0.0453f, 3.9316f, -0.0017f, -0.5020f,
-                                   0.1322f, 1.0909f, -0.0003f);
+        a = velum_calibration_make(10600.0f, 0.9467f, 0.4993f, -0.2419f, -0.0476f, 0.1896f, 3.3250f, -0.0736f, 0.0326f,
+                                   -0.0037f, 0.8456f, 0.0179f);
+        b = velum_calibration_make(10600.0f, 1.0054f, 0.9182f, -0.2732f, 0.0171f, 0.0150f, 6.5751f, -0.1466f, -0.7811f,
+                                   0.2506f, 0.9498f, 0.0025f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

@@ -26,7 +26,7 @@ VELUM_STRUCT(velum_profile) {
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
     float tuck;        /* g at the base: what lies near the rim begins higher up */
     float stem;        /* g just below the anvil, 0: none */
-    float damp;        /* how much smoother and thinner than the towers the anvil is */
+    float damp;        /* how much thinner than the towers the anvil is, and softer */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
     float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_body_over */
     float base_soft_m; /* the base is not a knife's edge */
@@ -53,8 +53,8 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 26000.0f;
-        n.lump_period_m = 6000.0f;
+        n.shape_period_m = 45000.0f;
+        n.lump_period_m = 5000.0f;
         n.fine_period_m = 480.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
@@ -111,11 +111,28 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of cirrus, how far its trails reach; and no farther than so many thicknesses of the layer. */
 #define VELUM_TRAIL_M 3750.0f
 #define VELUM_TRAIL_MOST 5.0f
+/* Of a storm: metres of noise over a metre of height; and for how long the wind has carried its anvil, no farther than
+ * so many thicknesses. */
+#define VELUM_STORM_CLIMB 0.18f
+#define VELUM_ANVIL_LAG_S 150.0f
+#define VELUM_ANVIL_LAG_MOST 0.3f
+/* The smaller its clouds the more ragged: over coverage, of erosion. And a step of 8 bits of rank is as much of e. */
+#define VELUM_STORM_RAGGED 0.02f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
     float fibrous = 1.0f - VELUM_MIN(VELUM_MAX(2.0f * kind - 1.0f, 1.0f - 2.0f * kind), 1.0f);
     return slot == VELUM_SLOT_HIGH ? fibrous : 0.0f;
+}
+
+VELUM_FN float velum_wind_m_s(velum_slot_fields f) {
+    return VELUM_SQRT(f.wind_x_m_s * f.wind_x_m_s + f.wind_y_m_s * f.wind_y_m_s + f.wind_z_m_s * f.wind_z_m_s);
+}
+
+/* How far the wind carries a storm's top beyond its foot, m over m/s. */
+VELUM_FN float velum_anvil_lag_s(velum_slot_fields f) {
+    float most_m = VELUM_ANVIL_LAG_MOST * VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    return f.kind * VELUM_MIN(VELUM_ANVIL_LAG_S, most_m / VELUM_MAX(velum_wind_m_s(f), 1.0e-3f));
 }
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
@@ -130,8 +147,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                 velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers; a storm with its anvil. */
-        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.60f, 0.06f, 0.30f, 0.0f, 0.0f, 0.6f, 60.0f),
-                                velum_profile_make(0.80f, 14.0f, 0.60f, 0.05f, 0.25f, 0.60f, 0.0f, 0.4f, 60.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.65f, 0.07f, 0.35f, 0.0f, 0.0f, 0.6f, 100.0f),
+                                velum_profile_make(0.80f, 20.0f, 0.68f, 0.07f, 0.35f, 0.50f, 0.0f, 0.4f, 150.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -155,7 +172,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                     2.0f * kind - 1.0f);
         }
     }
-    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.8f : p.foot;
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
     p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : slot == VELUM_SLOT_STORM ? 0.1f : p.tuck;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
@@ -164,7 +181,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
     float over = velum_overcast(fields.coverage);
     p.stem = p.stem * (1.0f - 0.8f * over); /* one tower, and its anvil where cover thins out */
-    p.damp = slot == VELUM_SLOT_STORM ? 0.6f * kind : 0.0f;
+    p.damp = slot == VELUM_SLOT_STORM ? 0.7f * kind : 0.0f;
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
     float fibrous = velum_fibrous(slot, kind);
@@ -176,6 +193,18 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.coverage_scale = p.coverage_scale * heads;
         p.density_scale = p.density_scale * velum_mix(1.0f, 0.93f + 0.14f * c, fibrous) / heads;
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
+    }
+    if (slot == VELUM_SLOT_STORM) {
+        /* Towers that lean cover more than their feet, the more the smaller those are and the taller they: fitted in
+         * the same way. */
+        float c = fields.coverage;
+        p.erosion = p.erosion + VELUM_STORM_RAGGED / VELUM_MAX(c, 0.05f);
+        float anvil_m = velum_anvil_lag_s(fields) * velum_wind_m_s(fields);
+        float feet = velum_mix(1.0f, 0.74f + c * (0.62f - 0.2f * c), VELUM_MIN(thickness_m / 10600.0f, 1.5f));
+        feet = feet / (1.0f + 1.3e-4f * anvil_m * (1.0f - 0.85f * c));
+        p.coverage_scale = p.coverage_scale * feet;
+        p.density_scale = p.density_scale * (0.95f + 0.025f / VELUM_MAX(c, 0.05f)) / feet;
+        p.reach = p.reach * (0.85f + 0.15f * feet);
     }
     return p;
 }
@@ -190,11 +219,14 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_TUCK_TOP 0.3f
 
 /* An anvil's underside slopes up and out between these height fractions. */
-#define VELUM_ANVIL_LOW 0.60f
-#define VELUM_ANVIL_HIGH 0.86f
+#define VELUM_ANVIL_LOW 0.76f
+#define VELUM_ANVIL_HIGH 0.92f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers narrow towards the anvil: `stem` is reached at the inverse of this. */
-#define VELUM_STEM_SLOPE 1.4f
+#define VELUM_STEM_SLOPE 2.2f
+/* Ice: anvils thin out over so much of e, and are lumpy by that share less than thin. */
+#define VELUM_ANVIL_SOFTNESS 0.6f
+#define VELUM_ANVIL_SMOOTH 0.3f
 
 VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);
@@ -222,7 +254,7 @@ VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
     carve = carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
     if (p.damp > 0.0f) {
-        carve = carve * (1.0f - p.damp * velum_anvil(z));
+        carve = carve * (1.0f - VELUM_ANVIL_SMOOTH * p.damp * velum_anvil(z));
     }
     return carve;
 }
@@ -237,14 +269,14 @@ VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float
 VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine,
                                float spread) {
     float f = velum_margin(p, e, z, lump, fine);
-    float inside = velum_smoothstep(-spread, p.softness + spread, f);
+    float anvil = p.damp > 0.0f ? p.damp * velum_anvil(z) : 0.0f;
+    float softness = velum_mix(p.softness, VELUM_ANVIL_SOFTNESS, anvil);
+    float inside = velum_smoothstep(-spread, softness + spread, f);
     /* Water that grows linearly from the base in as many drops (adiabatic) has an extinction that grows as its power
      * 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest fifth. */
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
-    if (p.damp > 0.0f) {
-        water = water * (1.0f - p.damp * velum_anvil(z));
-    }
+    water = water * (1.0f - anvil);
     return inside * water * foot * p.density_scale;
 }
 

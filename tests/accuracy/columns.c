@@ -165,10 +165,10 @@ bool columns_measure(const core_noise *noise, const column_case *of, float cover
 bool columns_measure_anywhere(const core_noise *noise, const column_case *of, float coverage, int count, int steps,
                               column_stats *out) {
     sums s;
-    /* Trails have another rank at each height: theirs are those of places, at random, and more of them. */
+    /* Columns that lean have another rank at each height: theirs are those of places, at random, and more of them. */
     const velum_slot_fields fields = fields_of(of, coverage);
-    const bool trails = velum_fibrous(of->slot, of->kind) > 0.0f;
-    count = trails ? 4 * count : count;
+    const bool leans = velum_lean_slope(of->slot, fields) > 0.0f;
+    count = leans ? 4 * count : count;
     if (!sums_init(&s, (size_t)count)) {
         sums_finish(&s, NULL, out);
         return false;
@@ -179,9 +179,9 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
     column c = {.cloud = &cloud, .fields = fields};
     /* Ranks that can be cloud, evenly; the rest of the sky is clear. */
     const velum_profile profile = velum_profile_of(of->slot, c.fields);
-    const float sky = trails ? 1.0f : fminf(coverage * profile.coverage_scale, 1.0f);
+    const float sky = leans ? 1.0f : fminf(coverage * profile.coverage_scale, 1.0f);
     for (int i = 0; i < count; i++) {
-        c.rank = trails ? -1.0f : 1.0f - sky * ((float)i + 0.5f) / (float)count;
+        c.rank = leans ? -1.0f : 1.0f - sky * ((float)i + 0.5f) / (float)count;
         for (uint32_t axis = 0; axis < 3; axis++) {
             c.foot[axis] = 1.0e5f * velum_hash_unit(velum_hash_2((uint32_t)i, axis));
         }
