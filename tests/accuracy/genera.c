@@ -20,7 +20,8 @@ static const genus_row genera[] = {
     {"As", "altostratus", 1.0, 3200, 5000, 30}, {"Cs", "cirrostratus", 0.95, 7500, 9000, 25},
     {"Ci", "cirrus", 0.5, 8200, 9600, 40},      {"Cc", "cirrocumulus", 0.6, 7300, 7700, 45},
 };
-enum { GENERA = sizeof genera / sizeof genera[0], HOURS = 3, PLACES = 3, GAP = 4, FRAMES = 64 };
+/* Pictures are so many times as wide as their references, to be looked at. */
+enum { GENERA = sizeof genera / sizeof genera[0], HOURS = 3, PLACES = 3, GAP = 4, FRAMES = 64, ENLARGED = 3 };
 
 static const struct {
     const char *name;
@@ -49,15 +50,20 @@ static void write_scenario(const genus_row *g, int hour, int place, char *out, s
              heights_m[place], pitches_deg[place]);
 }
 
-static bool draw_preset(stage *s, const stage_camera *camera, picture *out) {
+static bool draw_preset(stage *s, uint32_t width, uint32_t height, picture *out) {
+    stage_camera camera;
     stage_view v;
-    velum_result drawn = stage_view_init(s, &v, VELUM_QUALITY_HIGH, out->width, out->height);
+    stage_camera_init(s, width, height, &camera);
+    if (!stage_prepare(s, &camera, width, 0.0) || !stage_cast_shadow(s, &camera) || !picture_init(out, width, height)) {
+        return false;
+    }
+    velum_result drawn = stage_view_init(s, &v, VELUM_QUALITY_HIGH, width, height);
     if (drawn < 0) {
         stage_fail(s, "view", drawn);
         return false;
     }
     for (int i = 0; i < FRAMES && drawn >= 0; i++) {
-        drawn = stage_draw(s, &v, camera, 0.0, i == 0 ? VELUM_VIEW_CUT : 0, out, NULL);
+        drawn = stage_draw(s, &v, &camera, 0.0, i == 0 ? VELUM_VIEW_CUT : 0, out, NULL);
     }
     if (drawn < 0) {
         stage_fail(s, "render", drawn);
@@ -77,7 +83,6 @@ typedef struct genus_sheet {
 static bool draw_one(program *p, const genus_row *g, int hour, int place, genus_sheet *out) {
     char text[1200], name[64];
     const uint32_t width = p->reference.width, height = p->reference.height;
-    picture *found = &out->found[hour][place];
     reference *r = &out->references[hour][place];
     genus_figure *figure = &out->figures[hour][place];
     stage_camera camera;
@@ -86,9 +91,11 @@ static bool draw_one(program *p, const genus_row *g, int hour, int place, genus_
     if (stage_load_text(&p->s, text, 0.0f) != STAGE_OK) {
         return false;
     }
+    if (!draw_preset(&p->s, ENLARGED * width, ENLARGED * height, &out->found[hour][place])) {
+        return false;
+    }
     stage_camera_init(&p->s, width, height, &camera);
-    if (!stage_prepare(&p->s, &camera, width, 0.0) || !stage_cast_shadow(&p->s, &camera) ||
-        !picture_init(found, width, height)) {
+    if (!stage_prepare(&p->s, &camera, width, 0.0) || !stage_cast_shadow(&p->s, &camera)) {
         return false;
     }
     bool has = p->reference.cached ? reference_load(&p->s, name, &camera, 0.0f, &p->reference, r)
@@ -99,11 +106,14 @@ static bool draw_one(program *p, const genus_row *g, int hour, int place, genus_
     measurement m;
     *figure = (genus_figure){NAN, NAN, NAN};
     if (!has) {
-        return draw_preset(&p->s, &camera, found);
+        return true;
     }
     out->reference_count++;
-    bool ok = measure(&p->s, name, &camera, NULL, 0.0, VELUM_QUALITY_HIGH, r, NULL, found, &m);
-    *figure = (genus_figure){m.m_8.error, m.m.bias, r->noise_8};
+    picture measured = {0};
+    bool ok = picture_init(&measured, width, height) &&
+              measure(&p->s, name, &camera, NULL, 0.0, VELUM_QUALITY_HIGH, r, NULL, &measured, &m);
+    picture_finish(&measured);
+    *figure = ok ? (genus_figure){m.m_8.error, m.m.bias, r->noise_8} : *figure;
     return ok;
 }
 
@@ -127,7 +137,7 @@ static void write_row(FILE *page, const genus_row *g, const genus_sheet *drawn) 
 }
 
 static bool write_sheet(const program *p, const genus_row *g, const genus_sheet *drawn) {
-    const uint32_t w = p->reference.width, h = p->reference.height;
+    const uint32_t w = ENLARGED * p->reference.width, h = ENLARGED * p->reference.height;
     const uint32_t pair = drawn->reference_count > 0 ? 2 * w : w;
     char path[CHART_PATH];
     sheet out = {0};
@@ -135,12 +145,14 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
     for (uint32_t hour = 0; ok && hour < HOURS; hour++) {
         for (uint32_t place = 0; place < PLACES; place++) {
             const picture *found = &drawn->found[hour][place], *r = &drawn->references[hour][place].picture;
+            picture large = {0};
             const double exposure = picture_exposure(found); /* the reference's brightest are noise */
             const uint32_t x = place * (pair + 2 * GAP), y = hour * (h + GAP);
             sheet_put_picture(&out, x, y, found, exposure);
-            if (r->count > 0) {
-                sheet_put_picture(&out, x + w, y, r, exposure);
+            if (r->count > 0 && picture_enlarge(r, ENLARGED, &large)) {
+                sheet_put_picture(&out, x + w, y, &large, exposure);
             }
+            picture_finish(&large);
         }
     }
     snprintf(path, sizeof path, "%s/%s.png", p->folder, g->name);
@@ -182,10 +194,10 @@ int genera_run(program *p) {
                 "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g%s\n\nEach "
                 "sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to bottom; from "
                 "below, within and above the layer from left to right; of each pair left preset high, right the "
-                "reference, at the same exposure. Figures: error of means over 8 x 8 pixels, bias of the whole picture "
-                "(noise of the reference's means over 8 x 8, which is subtracted).\n",
+                "reference, at the same exposure, of pixels %d times as wide. Figures: error of means over 8 x 8 of "
+                "these, bias of the whole picture (noise of the reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.cached ? " --cached" : "",
-                hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg);
+                hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg, ENLARGED);
     }
     for (int i = 0; ok && i < GENERA; i++) {
         ok = draw_genus(p, &genera[i], page);

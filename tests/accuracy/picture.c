@@ -71,6 +71,18 @@ uint32_t picture_invalid(const picture *p) {
     return invalid;
 }
 
+bool picture_enlarge(const picture *from, uint32_t times, picture *out) {
+    if (!picture_init(out, from->width * times, from->height * times)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < out->count; i++) {
+        const uint32_t source = i / out->width / times * from->width + i % out->width / times;
+        memcpy(&out->rgb[3 * i], &from->rgb[3 * source], 3 * sizeof *out->rgb);
+    }
+    picture_update_luminance(out);
+    return true;
+}
+
 static int ascending(const void *a, const void *b) {
     float x = *(const float *)a;
     float y = *(const float *)b;

@@ -23,6 +23,9 @@ void picture_merge(picture *into, double paths, const picture *other, double mor
 /* Pixels (of rgb, transmittance, distance) that are NaN, infinite or negative, or whose transmittance exceeds 1. */
 uint32_t picture_invalid(const picture *p);
 
+/* The colours of each pixel, so many times as wide. False, having said so: out of memory. */
+bool picture_enlarge(const picture *from, uint32_t times, picture *out);
+
 /* 1 over about the luminance of what is brightest, 98th percentile. */
 double picture_exposure(const picture *p);
 
