@@ -31,10 +31,6 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e; of
- * these no more than so many periods of lumps stand for one of shape. Not bounds (ranks rise faster over a few texels):
- * with longer ways rays pass over towers (test `gpu query`), and storms are striped. */
-const float rank_way = 0.036, storm_way = 0.03, margin_way = 0.016, lump_periods = 5.0;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -216,7 +212,6 @@ void main() {
         bool covered = hit.covered;
         samples += hit.sampled ? 1u : 0u;
 
-        float period_m = 1.0 / eye.slots[slot].shape_0.w;
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
         vec2 reach_m = vec2(1.0e9);
@@ -224,13 +219,10 @@ void main() {
             reach_m = tile_reach_m(tile, normal, ray.direction);
         }
         advance = clear_tile ? min(advance, reach_m.x) : advance;
-        period_m /= 1.0 + abs(rise) * velum_lean_slope(slot, f) * eye.slots[slot].bounds.z;
-        float way = slot == VELUM_SLOT_STORM ? storm_way : rank_way;
-        float rank_m = f.coverage * hit.profile.coverage_scale * way * period_m;
+        vec2 ways_m = clear_ways_m(slot, f, hit.profile, rise);
         float threshold = within ? velum_threshold(hit.profile, hit.height_fraction) : 0.0;
-        float gap = min(max(least_excess(hit, threshold, rank_m, texel_m) - hit.excess, 0.0) * rank_m, texel_m);
-        float margin_m = min(margin_way * min(period_m, lump_periods / eye.slots[slot].lump_0.w), rank_m);
-        float clear = covered ? max(min(max(-hit.margin, 0.0) * margin_m, texel_m), gap) : 0.0;
+        float gap = min(max(least_excess(hit, threshold, ways_m.x, texel_m) - hit.excess, 0.0) * ways_m.x, texel_m);
+        float clear = covered ? max(min(max(-hit.margin, 0.0) * ways_m.y, texel_m), gap) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
         bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
         float own = f.coverage <= 0.0 ? reach_m.y : (within || hangs ? gap : climb);

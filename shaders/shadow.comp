@@ -82,7 +82,6 @@ void main() {
         /* As many steps as the texel can show, and no more. */
         float long_dt = max(way / clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps), 1.0);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
-        float period_m = 1.0 / eye.slots[slot].shape_0.w;
         while (position < end) {
             float dt = min(long_dt, end - position);
             float at = position + 0.5 * dt;
@@ -101,11 +100,12 @@ void main() {
             for (int once = within ? 0 : 1; once < 1; ++once) {
                 velum_profile profile = velum_profile_of(slot, f);
                 float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-                float clear = -e * f.coverage * 0.05 * period_m;
+                vec2 ways_m = clear_ways_m(slot, f, profile, rise);
+                float clear = -e * ways_m.x;
                 for (int covered = e > 0.0 ? 0 : 1; covered < 1; ++covered) {
                     float lump = lump_noise(slot, f, r);
                     depth += f.extinction_1_m * dt * velum_body(profile, e, z, h - f.base_m, lump, 0.5);
-                    clear = -velum_margin(profile, e, z, lump, 0.5) * 0.02 * period_m;
+                    clear = -velum_margin(profile, e, z, lump, 0.5) * ways_m.y;
                 }
                 float known = min(tile.side_m / float(VELUM_TILE_TEXELS), tile_reach_m(tile, normal, to_sun).x);
                 stride = max(dt, 0.5 * dt + min(clear, known));

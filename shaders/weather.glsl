@@ -199,4 +199,18 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
     return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1, eye.slots[slot].optics.w);
 }
 
+/* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e; of
+ * these no more than so many periods of lumps stand for one of shape. Not bounds (ranks rise faster over a few texels):
+ * with longer ways rays pass over towers (test `gpu query`), and storms are striped. */
+const float rank_way = 0.036, storm_way = 0.03, margin_way = 0.016, lump_periods = 5.0;
+
+/* Along a ray that rises so much a metre, m: over excess that a column lacks, and over a margin below 0. */
+vec2 clear_ways_m(int slot, velum_slot_fields f, velum_profile profile, float rise) {
+    float lean = 1.0 + abs(rise) * velum_lean_slope(slot, f) * eye.slots[slot].bounds.z;
+    float period_m = 1.0 / (eye.slots[slot].shape_0.w * lean);
+    float way = slot == VELUM_SLOT_STORM ? storm_way : rank_way;
+    float rank_m = f.coverage * profile.coverage_scale * way * period_m;
+    return vec2(rank_m, min(margin_way * min(period_m, lump_periods / eye.slots[slot].lump_0.w), rank_m));
+}
+
 #endif
