@@ -241,8 +241,8 @@ const float deck_face = 0.38, deck_tilt = 0.29;
 /* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
  */
 const float wall_share = 0.5, walls_seen = 0.65;
-const float storm_share = 0.95; /* the first of storms, whose walls are the most that they are... */
-const float storm_walls = 0.8;  /* ... and most of what their flanks see */
+const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
+const float storm_walls = 0.6;  /* ... and most of what their flanks see */
 const float limb = 2.0; /* diffuse light leaves a face steeply rather than along it */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 /* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
