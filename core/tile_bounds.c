@@ -48,8 +48,8 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
     return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale, kind * scale};
 }
 
-/* Of the thickest layer: how far the wind can carry an anvil. */
-#define ANVIL_MOST_M (VELUM_ANVIL_LAG_MOST * 22000.0f)
+/* Of the thickest layer that there can be: how far the wind carries an anvil. */
+#define ANVIL_MOST_M (VELUM_ANVIL_LAG_MOST * 25500.0f)
 
 /* Metres of noise over a metre along the layer by which columns lean more or less: see velum_lean. */
 static float lean_change(uint32_t slot, slopes change) {
@@ -68,15 +68,20 @@ static float page_most_1_m(velum_slot_fields f, velum_profile p) {
     return f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
 }
 
-/* Coverage of each texel as velum_excess takes it. */
+/* Coverage as velum_excess takes it, at most: a storm's is largest in calm air, and winds may cancel between texels. */
+static float effective_coverage(uint32_t slot, velum_slot_fields f) {
+    f.wind_x_m_s = f.wind_y_m_s = f.wind_z_m_s = 0.0f;
+    return slot < VELUM_SLOT_UNIFORM ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+}
+
+/* Of each texel. */
 static void fill_effective(const core_tile_slot *from, uint32_t slot, float out[VELUM_TILE_SIDE * VELUM_TILE_SIDE]) {
     for (size_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
         const uint16_t *a = from->a + i * 4;
         const uint16_t *b = from->b + i * 4;
         velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]),
                                                      unit(b[1]), unit(b[2]), unit(b[3]));
-        const bool formed = a[0] > 0 && slot < VELUM_SLOT_UNIFORM;
-        out[i] = formed ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+        out[i] = a[0] > 0 ? effective_coverage(slot, f) : 0.0f;
     }
 }
 
@@ -131,10 +136,10 @@ static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t t
     if (slot < VELUM_SLOT_UNIFORM) {
         p = velum_profile_of((int)slot, f);
     }
-    const float coverage = slot < VELUM_SLOT_UNIFORM ? f.coverage * p.coverage_scale : f.coverage;
+    /* Where coverage runs out, too: the fewer and smaller its clouds, the denser they are. */
     const float extinction_1_m = slot < VELUM_SLOT_UNIFORM ? page_most_1_m(f, p) : f.extinction_1_m;
-    out->most[0] = fmaxf(out->most[0], coverage);
-    out->most[1] = fmaxf(out->most[1], f.coverage > 0.0f ? extinction_1_m : 0.0f);
+    out->most[0] = fmaxf(out->most[0], effective_coverage(slot, f));
+    out->most[1] = fmaxf(out->most[1], extinction_1_m);
     out->most[2] = first ? p.reach : fminf(out->most[2], p.reach);
     out->most[3] = fmaxf(out->most[3], p.power);
     const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};

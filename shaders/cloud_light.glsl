@@ -61,6 +61,7 @@ velum_slab_span slab_span(cloud_hit hit) {
 struct profile_memo {
     velum_profile profile;
     vec4 of; /* kind, coverage, thickness, extinction */
+    float anvil_m;
     int slot;
 };
 
@@ -68,15 +69,19 @@ profile_memo profile_none() {
     profile_memo memo;
     memo.slot = -1;
     memo.of = vec4(-1.0);
+    memo.anvil_m = 0.0;
     return memo;
 }
 
 void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
     vec4 of = vec4(f.kind, f.coverage, f.top_m - f.base_m, f.extinction_1_m);
-    bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw)));
+    float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
+    bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
+                abs(anvil_m - memo.anvil_m) < 10.0;
     for (int once = slot == memo.slot && near ? 1 : 0; once < 1; ++once) {
         memo.profile = velum_profile_of(slot, f);
         memo.of = of;
+        memo.anvil_m = anvil_m;
         memo.slot = slot;
     }
 }
@@ -257,7 +262,7 @@ struct ways_out {
 
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
-    /* How high this column's cloud stands, and how much of it lies above and below. */
+    /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;

@@ -84,6 +84,10 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     s.even = x.even.x;
     s.fade = x.shape.y;
     s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);
+    /* What a storm covers depends on its anvil and its height, too. */
+    s.fade += slot == VELUM_SLOT_STORM
+                  ? x.most.x * (VELUM_ANVIL_COVER_1_M * VELUM_ANVIL_LAG_S * x.shape.x + 0.5 * s.bend)
+                  : 0.0;
     if (velum_mixes && a != b) {
         velum_page_bounds y = page_bounds[b == VELUM_PAGE_NONE ? a : b];
         x.most = vec4(max(x.most.x, y.most.x), max(x.most.y, y.most.y), min(x.most.z, y.most.z),

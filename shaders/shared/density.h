@@ -8,7 +8,8 @@
  * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is
  * covered where q > 1 - c, and e = (q - 1 + c) / c is again uniform over the covered columns. Noise in three dimensions
  * only moves the boundary of a column that is covered already, so it cannot change coverage; the mean over e, height
- * and noise depends on the profile alone and is divided out (calibration.h). */
+ * and noise depends on the profile alone and is divided out (calibration.h). Columns that lean (storms, cirrus: see
+ * velum_lean) have another rank at each height: of these coverage too is right by calibration. */
 #ifndef VELUM_DENSITY_H
 #define VELUM_DENSITY_H
 
@@ -116,7 +117,9 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 #define VELUM_STORM_CLIMB 0.18f
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
-/* The smaller its clouds the more ragged: over coverage, of erosion. And a step of 8 bits of rank is as much of e. */
+/* What an anvil covers beside its tower, over what that covers, a metre that the wind carries it. */
+#define VELUM_ANVIL_COVER_1_M 1.3e-4f
+/* The smaller its clouds the more ragged: erosion, over coverage. */
 #define VELUM_STORM_RAGGED 0.02f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
@@ -129,10 +132,13 @@ VELUM_FN float velum_wind_m_s(velum_slot_fields f) {
     return VELUM_SQRT(f.wind_x_m_s * f.wind_x_m_s + f.wind_y_m_s * f.wind_y_m_s + f.wind_z_m_s * f.wind_z_m_s);
 }
 
-/* How far the wind carries a storm's top beyond its foot, m over m/s. */
+/* How far the wind carries a storm's top beyond its foot: m over m/s, and m. */
 VELUM_FN float velum_anvil_lag_s(velum_slot_fields f) {
     float most_m = VELUM_ANVIL_LAG_MOST * VELUM_MAX(f.top_m - f.base_m, 1.0f);
     return f.kind * VELUM_MIN(VELUM_ANVIL_LAG_S, most_m / VELUM_MAX(velum_wind_m_s(f), 1.0e-3f));
+}
+VELUM_FN float velum_anvil_m(velum_slot_fields f) {
+    return velum_anvil_lag_s(f) * velum_wind_m_s(f);
 }
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
@@ -199,9 +205,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
          * the same way. */
         float c = fields.coverage;
         p.erosion = p.erosion + VELUM_STORM_RAGGED / VELUM_MAX(c, 0.05f);
-        float anvil_m = velum_anvil_lag_s(fields) * velum_wind_m_s(fields);
         float feet = velum_mix(1.0f, 0.74f + c * (0.62f - 0.2f * c), VELUM_MIN(thickness_m / 10600.0f, 1.5f));
-        feet = feet / (1.0f + 1.3e-4f * anvil_m * (1.0f - 0.85f * c));
+        feet = feet / (1.0f + VELUM_ANVIL_COVER_1_M * velum_anvil_m(fields) * (1.0f - 0.85f * c));
         p.coverage_scale = p.coverage_scale * feet;
         p.density_scale = p.density_scale * (0.95f + 0.025f / VELUM_MAX(c, 0.05f)) / feet;
         p.reach = p.reach * (0.85f + 0.15f * feet);
@@ -224,7 +229,7 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers narrow towards the anvil: `stem` is reached at the inverse of this. */
 #define VELUM_STEM_SLOPE 2.2f
-/* Ice: anvils thin out over so much of e, and are lumpy by that share less than thin. */
+/* Ice: anvils thin out over so much of e; and of what they are thinner by, that share is taken from their lumps. */
 #define VELUM_ANVIL_SOFTNESS 0.6f
 #define VELUM_ANVIL_SMOOTH 0.3f
 

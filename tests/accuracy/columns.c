@@ -7,16 +7,16 @@
 #include "shared/hash.h"
 
 const column_case column_cases[COLUMN_CASES] = {
-    {"St", VELUM_SLOT_LOW, VELUM_KIND_ST, 300.0f, 800.0f, 0.060f},
-    {"Sc", VELUM_SLOT_LOW, VELUM_KIND_SC, 900.0f, 1500.0f, 0.045f},
-    {"Cu", VELUM_SLOT_CUMULUS, 0.5f, 1000.0f, 2400.0f, 0.050f},
-    {"Cb", VELUM_SLOT_STORM, VELUM_KIND_CB, 900.0f, 11500.0f, 0.060f},
-    {"As", VELUM_SLOT_MIDDLE, VELUM_KIND_AS, 3500.0f, 5500.0f, 0.010f},
-    {"Ns", VELUM_SLOT_MIDDLE, VELUM_KIND_NS, 800.0f, 5000.0f, 0.030f},
-    {"Ac", VELUM_SLOT_MIDDLE, VELUM_KIND_AC, 3500.0f, 4000.0f, 0.020f},
-    {"Cs", VELUM_SLOT_HIGH, VELUM_KIND_CS, 8000.0f, 9500.0f, 0.0006f},
-    {"Ci", VELUM_SLOT_HIGH, VELUM_KIND_CI, 8000.0f, 9500.0f, 0.0004f},
-    {"Cc", VELUM_SLOT_HIGH, VELUM_KIND_CC, 7000.0f, 7500.0f, 0.0020f},
+    {"St", VELUM_SLOT_LOW, VELUM_KIND_ST, 300.0f, 800.0f, 0.060f, 0.0f},
+    {"Sc", VELUM_SLOT_LOW, VELUM_KIND_SC, 900.0f, 1500.0f, 0.045f, 0.0f},
+    {"Cu", VELUM_SLOT_CUMULUS, 0.5f, 1000.0f, 2400.0f, 0.050f, 0.0f},
+    {"Cb", VELUM_SLOT_STORM, VELUM_KIND_CB, 900.0f, 11500.0f, 0.060f, 0.0f},
+    {"As", VELUM_SLOT_MIDDLE, VELUM_KIND_AS, 3500.0f, 5500.0f, 0.010f, 0.0f},
+    {"Ns", VELUM_SLOT_MIDDLE, VELUM_KIND_NS, 800.0f, 5000.0f, 0.030f, 0.0f},
+    {"Ac", VELUM_SLOT_MIDDLE, VELUM_KIND_AC, 3500.0f, 4000.0f, 0.020f, 0.0f},
+    {"Cs", VELUM_SLOT_HIGH, VELUM_KIND_CS, 8000.0f, 9500.0f, 0.0006f, 0.0f},
+    {"Ci", VELUM_SLOT_HIGH, VELUM_KIND_CI, 8000.0f, 9500.0f, 0.0004f, 0.0f},
+    {"Cc", VELUM_SLOT_HIGH, VELUM_KIND_CC, 7000.0f, 7500.0f, 0.0020f, 0.0f},
 };
 
 /* A height counts as cloud where extinction exceeds this share of what was asked for. */
@@ -87,6 +87,12 @@ static void measure_column(const column *c, int steps, sums *s) {
     }
 }
 
+static void blow(column *c, float wind_m_s) {
+    const float across = fmaxf(hypotf(c->normal[0], c->normal[1]), 1.0e-6f);
+    c->fields.wind_x_m_s = -wind_m_s * c->normal[1] / across;
+    c->fields.wind_y_m_s = wind_m_s * c->normal[0] / across;
+}
+
 static int compare(const void *a, const void *b) {
     float x = *(const float *)a;
     float y = *(const float *)b;
@@ -155,6 +161,7 @@ bool columns_measure(const core_noise *noise, const column_case *of, float cover
                 c.foot[axis] = (float)(foot[axis] - origin[axis]);
                 c.normal[axis] = (float)normal[axis];
             }
+            blow(&c, of->wind_m_s);
             measure_column(&c, steps, &s);
         }
     }
@@ -191,6 +198,7 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
         c.normal[0] = across * cosf(turn);
         c.normal[1] = across * sinf(turn);
         c.normal[2] = z;
+        blow(&c, of->wind_m_s);
         measure_column(&c, steps, &s);
     }
     sums_finish(&s, &c.fields, out);

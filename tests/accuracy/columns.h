@@ -10,6 +10,7 @@ typedef struct column_case {
     float kind;
     float base_m, top_m;
     float extinction_1_m;
+    float wind_m_s; /* along parallels */
 } column_case;
 
 /* Typical layers of the ten genera: heights and thicknesses of the mid-latitudes (WMO International Cloud Atlas), water

@@ -149,7 +149,8 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
             const double exposure = picture_exposure(found); /* the reference's brightest are noise */
             const uint32_t x = place * (pair + 2 * GAP), y = hour * (h + GAP);
             sheet_put_picture(&out, x, y, found, exposure);
-            if (r->count > 0 && picture_enlarge(r, ENLARGED, &large)) {
+            if (r->count > 0) {
+                ok = picture_enlarge(r, ENLARGED, &large);
                 sheet_put_picture(&out, x + w, y, &large, exposure);
             }
             picture_finish(&large);
@@ -194,8 +195,9 @@ int genera_run(program *p) {
                 "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g%s\n\nEach "
                 "sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to bottom; from "
                 "below, within and above the layer from left to right; of each pair left preset high, right the "
-                "reference, at the same exposure, of pixels %d times as wide. Figures: error of means over 8 x 8 of "
-                "these, bias of the whole picture (noise of the reference's means over 8 x 8, which is subtracted).\n",
+                "reference, at the same exposure, of pixels %d times as wide. Figures, of the preset at the "
+                "reference's size: error of means over 8 x 8 pixels, bias of the whole picture (noise of the "
+                "reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.cached ? " --cached" : "",
                 hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg, ENLARGED);
     }

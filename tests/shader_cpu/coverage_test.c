@@ -67,6 +67,26 @@ static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
     }
 }
 
+/* Wind carries anvils over what was clear. */
+static void storms_in_wind_hold_what_was_asked_for(void **state) {
+    column_case storm = column_cases[3];
+    assert_int_equal(storm.slot, VELUM_SLOT_STORM);
+    for (int w = 1; w <= 2; w++) {
+        storm.wind_m_s = 10.0f * (float)w;
+        for (int o = 0; o < 5; o++) {
+            const float coverage = (float)oktas[o] / 8.0f;
+            column_stats s;
+            assert_true(columns_measure_anywhere(*state, &storm, coverage, 4000, 48, &s));
+            const bool good = fabs(s.coverage - (double)coverage) < 0.02 && fabs(s.water - 1.0) < 0.05;
+            if (!good) {
+                print_message("%g m/s, %d oktas: coverage %.4f, water %.3f\n", (double)storm.wind_m_s, oktas[o],
+                              s.coverage, s.water);
+            }
+            assert_true(good);
+        }
+    }
+}
+
 /* Layers other than the usual ones: half and twice as thick, a fifth of and five times the water. */
 static void other_layers_hold_what_was_asked_for(void **state) {
     static const float factors[4][2] = {{0.5f, 1.0f}, {2.0f, 1.0f}, {1.0f, 0.2f}, {1.0f, 5.0f}};
@@ -90,6 +110,7 @@ static void other_layers_hold_what_was_asked_for(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_as_a_whole_holds_what_was_asked_for),
+        cmocka_unit_test(storms_in_wind_hold_what_was_asked_for),
         cmocka_unit_test(other_layers_hold_what_was_asked_for),
         cmocka_unit_test(squares_hold_what_was_asked_for),
     };

@@ -210,6 +210,9 @@ void fill_density(uint32_t i, uint32_t *in) {
     put(in, 7, edge_or(i, 8, units, COUNT(units), 0.0f, 1.0f));
     put(in, 8, edge_or(i, 9, units, COUNT(units), -1.0f, 1.0f));
     put(in, 9, edge_or(i, 10, units, COUNT(units), 0.0f, 1.0f));
+    static const float winds[] = {0.0f, 128.0f, -128.0f};
+    put(in, 10, edge_or(i, 11, winds, COUNT(winds), -40.0f, 40.0f));
+    put(in, 11, edge_or(i, 12, winds, COUNT(winds), -40.0f, 40.0f));
     if (i % 64 == 63) { /* coverage or height that is no number: no cloud */
         put(in, i % 128 == 127 ? 1 : 6, NAN);
     }

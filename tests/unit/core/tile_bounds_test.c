@@ -48,6 +48,23 @@ static void look(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     *most = fmaxf(*most, extinction);
 }
 
+/* How columns lean changes along the layer by no more than the bound says. */
+static void lean(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
+    const double side_m = VELUM_TILE_FACE_M / (double)(1u << velum_tile_key_level(tile->key));
+    const float u = 0.98f * unit(random);
+    const float v = unit(random);
+    velum_slot_fields a = core_tile_sample(tile, slot, u, v);
+    velum_slot_fields b = core_tile_sample(tile, slot, u + 0.002f, v);
+    if (a.coverage > 0.0f && b.coverage > 0.0f) {
+        const float height_m = a.base_m + unit(random) * (a.top_m - a.base_m);
+        velum_noise_point p = velum_lean((int)slot, a, height_m, 0.0f, 0.6f, 0.8f);
+        velum_noise_point q = velum_lean((int)slot, b, height_m, 0.0f, 0.6f, 0.8f);
+        const float moved_m = sqrtf((p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
+        const float stretch = velum_noise_of((int)slot).stretch;
+        assert_true(moved_m * stretch <= bounds->shape[3] * 0.002f * (float)side_m + 0.5f);
+    }
+}
+
 static void bounds_hold(void **state) {
     (void)state;
     static const int32_t genera[] = {VELUM_GENUS_ST, VELUM_GENUS_SC, VELUM_GENUS_CU, VELUM_GENUS_CB, VELUM_GENUS_AS,
@@ -55,16 +72,20 @@ static void bounds_hold(void **state) {
     uint32_t random = 1;
     uint32_t slots_seen = 0;
     for (size_t g = 0; g < sizeof genera / sizeof genera[0]; g++) {
-        for (int soft = 0; soft < 2; soft++) {
+        /* A global layer; in it a region of another; a region alone; both again with sharp edges. Winds are against
+         * each other. */
+        for (int scene = 0; scene < 5; scene++) {
             velum_layer layers[2] = {layer_of(genera[g], 0.2f + 0.07f * (float)g, 900.0f, 2600.0f),
                                      layer_of(genera[g], 0.95f, 1100.0f, 4000.0f)};
+            layers[0].wind_east_m_s = 25.0f;
+            layers[1].wind_east_m_s = -20.0f;
             velum_cell cells[2] = {cell_of(VELUM_CELL_GLOBAL, 1, &layers[0], 1),
                                    cell_of(VELUM_CELL_RECTANGLE, 2, &layers[1], 1)};
             cells[1].lat_deg = 30.0;
             cells[1].lon_deg = 20.0;
             cells[1].half_east_m = cells[1].half_north_m = 20000.0;
-            cells[1].transition_m = 30000.0;
-            velum_state_desc desc = desc_of(cells, soft ? 2 : 1);
+            cells[1].transition_m = scene < 3 ? 30000.0 : 0.0;
+            velum_state_desc desc = desc_of(scene % 2 == 1 || scene == 0 ? cells : cells + 1, scene % 2 == 1 ? 2 : 1);
             core_state *made = state_of(&desc, NULL, 1);
             double normal[3];
             core_normal(30.0, 20.2, normal);
@@ -83,6 +104,7 @@ static void bounds_hold(void **state) {
                 }
                 for (int i = 0; i < 20000; i++) {
                     look(tile, slot, &bounds, &random, &most);
+                    lean(tile, slot, &bounds, &random);
                 }
                 /* A bound, and not a boundless one. */
                 assert_true(most > 0.25f * bounds.most[1]);
