@@ -73,10 +73,10 @@ static void storms_in_wind_hold_what_was_asked_for(void **state) {
     assert_int_equal(storm.slot, VELUM_SLOT_STORM);
     for (int w = 1; w <= 2; w++) {
         storm.wind_m_s = 10.0f * (float)w;
-        for (int o = 0; o < 5; o++) {
+        for (int o = 0; o < 5; o += 2) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
-            assert_true(columns_measure_anywhere(*state, &storm, coverage, 4000, 48, &s));
+            assert_true(columns_measure_anywhere(*state, &storm, coverage, 3000, 48, &s));
             const bool good = fabs(s.coverage - (double)coverage) < 0.02 && fabs(s.water - 1.0) < 0.05;
             if (!good) {
                 print_message("%g m/s, %d oktas: coverage %.4f, water %.3f\n", (double)storm.wind_m_s, oktas[o],
