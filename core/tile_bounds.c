@@ -69,9 +69,18 @@ static float page_most_1_m(velum_slot_fields f, velum_profile p) {
 }
 
 /* Coverage as velum_excess takes it, at most: a storm's is largest in calm air, and winds may cancel between texels. */
-static float effective_coverage(uint32_t slot, velum_slot_fields f) {
-    f.wind_x_m_s = f.wind_y_m_s = f.wind_z_m_s = 0.0f;
-    return slot < VELUM_SLOT_UNIFORM ? f.coverage * velum_profile_of((int)slot, f).coverage_scale : f.coverage;
+static float effective_coverage(uint32_t slot, velum_slot_fields f, velum_profile p) {
+    if (slot == VELUM_SLOT_STORM) {
+        f.wind_x_m_s = f.wind_y_m_s = f.wind_z_m_s = 0.0f;
+        p = velum_profile_of((int)slot, f);
+    }
+    return f.coverage * p.coverage_scale;
+}
+
+/* Uniform layers have none: what they hold is as it is. */
+static velum_profile profile_of(uint32_t slot, velum_slot_fields f) {
+    return slot < VELUM_SLOT_UNIFORM ? velum_profile_of((int)slot, f)
+                                     : (velum_profile){.coverage_scale = 1.0f, .density_scale = 1.0f};
 }
 
 /* Of each texel. */
@@ -81,7 +90,7 @@ static void fill_effective(const core_tile_slot *from, uint32_t slot, float out[
         const uint16_t *b = from->b + i * 4;
         velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]),
                                                      unit(b[1]), unit(b[2]), unit(b[3]));
-        out[i] = a[0] > 0 ? effective_coverage(slot, f) : 0.0f;
+        out[i] = a[0] > 0 ? effective_coverage(slot, f, profile_of(slot, f)) : 0.0f;
     }
 }
 
@@ -132,14 +141,10 @@ static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t t
         }
     }
     velum_slot_fields f = velum_fields_of_texels(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]);
-    velum_profile p = {.coverage_scale = 1.0f, .density_scale = 1.0f};
-    if (slot < VELUM_SLOT_UNIFORM) {
-        p = velum_profile_of((int)slot, f);
-    }
+    const velum_profile p = profile_of(slot, f);
     /* Where coverage runs out, too: the fewer and smaller its clouds, the denser they are. */
-    const float extinction_1_m = slot < VELUM_SLOT_UNIFORM ? page_most_1_m(f, p) : f.extinction_1_m;
-    out->most[0] = fmaxf(out->most[0], effective_coverage(slot, f));
-    out->most[1] = fmaxf(out->most[1], extinction_1_m);
+    out->most[0] = fmaxf(out->most[0], effective_coverage(slot, f, p));
+    out->most[1] = fmaxf(out->most[1], page_most_1_m(f, p));
     out->most[2] = first ? p.reach : fminf(out->most[2], p.reach);
     out->most[3] = fmaxf(out->most[3], p.power);
     const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};

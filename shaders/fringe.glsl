@@ -78,7 +78,8 @@ float fall_extinction(int slot, velum_slot_fields f, velum_profile profile, velu
 const float across_share = 0.9, storm_across_share = 0.52;
 float part_across_m(int part) {
     int slot = part & (VELUM_SLOT_COUNT - 1);
-    return (part == VELUM_PART_FALL + VELUM_SLOT_STORM ? storm_across_share : across_share) / (part < VELUM_PART_FALL ? VELUM_SCUD_LUMPS * eye.slots[slot].lump_0.w : eye.slots[slot].shape_0.w);
+    float share = part == VELUM_PART_FALL + VELUM_SLOT_STORM ? storm_across_share : across_share;
+    return share / (part < VELUM_PART_FALL ? VELUM_SCUD_LUMPS * eye.slots[slot].lump_0.w : eye.slots[slot].shape_0.w);
 }
 
 /* Extinction, 1/m, of a part at a place within its span. */

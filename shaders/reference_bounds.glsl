@@ -164,8 +164,7 @@ float noise_away(vec3 q, float rank) {
 float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slot_fields f, float own_cover, float rank,
                   vec3 r, vec3 normal, float h, float rise, float run, out float slope) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    velum_noise_point lean = velum_lean(slot, f, h, normal.x, normal.y, normal.z);
-    vec3 foot = r - normal * h + vec3(lean.x, lean.y, lean.z);
+    vec3 foot = column_foot(slot, f, r, normal, h);
     float stretch = eye.slots[slot].bounds.z;
     /* Columns reach so high only where their rank is greater: as good on the way down as long as it is short. */
     float thickness = max(s.high - s.base, 1.0);

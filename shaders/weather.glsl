@@ -164,11 +164,15 @@ vec3 noise_place(vec3 r, vec4 phase, float stretch) {
     return vec3(p.x, p.y, p.z);
 }
 
-/* Rank of the column over the foot of r, at height over the ellipsoid, along normal. */
+/* Where the column through r, at height over the ellipsoid, along normal, has its noise; and its rank. */
+vec3 column_foot(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
+    velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y, normal.z);
+    return r - normal * height_m + vec3(lean.x, lean.y, lean.z);
+}
+
 float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y, normal.z);
-    vec3 foot = r - normal * height_m + vec3(lean.x, lean.y, lean.z);
+    vec3 foot = column_foot(slot, f, r, normal, height_m);
     float stretch = eye.slots[slot].bounds.z;
     vec3 p = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
     float rank = velum_shape_at(p.x, p.y, p.z);

@@ -237,6 +237,11 @@ VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);
 }
 
+/* What the anvil has less of than the towers, 0..1. */
+VELUM_FN float velum_thinned(velum_profile p, float z) {
+    return p.damp > 0.0f ? p.damp * velum_anvil(z) : 0.0f;
+}
+
 /* Below this, threshold of e is nowhere between two height fractions. */
 VELUM_FN float velum_threshold_least(velum_profile p, float z_low, float z_high) {
     float g = p.reach * VELUM_POW(VELUM_MAX(z_low, 0.0f), p.power);
@@ -258,10 +263,7 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
 VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
     float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
     carve = carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
-    if (p.damp > 0.0f) {
-        carve = carve * (1.0f - VELUM_ANVIL_SMOOTH * p.damp * velum_anvil(z));
-    }
-    return carve;
+    return carve * (1.0f - VELUM_ANVIL_SMOOTH * velum_thinned(p, z));
 }
 
 /* How far inside the boundary, in e; negative outside. */
@@ -274,14 +276,14 @@ VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float
 VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine,
                                float spread) {
     float f = velum_margin(p, e, z, lump, fine);
-    float anvil = p.damp > 0.0f ? p.damp * velum_anvil(z) : 0.0f;
-    float softness = velum_mix(p.softness, VELUM_ANVIL_SOFTNESS, anvil);
+    float thinned = velum_thinned(p, z);
+    float softness = velum_mix(p.softness, VELUM_ANVIL_SOFTNESS, thinned);
     float inside = velum_smoothstep(-spread, softness + spread, f);
     /* Water that grows linearly from the base in as many drops (adiabatic) has an extinction that grows as its power
      * 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest fifth. */
     float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
-    water = water * (1.0f - anvil);
+    water = water * (1.0f - thinned);
     return inside * water * foot * p.density_scale;
 }
 

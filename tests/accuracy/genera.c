@@ -143,7 +143,7 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
     sheet out = {0};
     bool ok = sheet_init(&out, PLACES * (pair + 2 * GAP) - 2 * GAP, HOURS * (h + GAP) - GAP);
     for (uint32_t hour = 0; ok && hour < HOURS; hour++) {
-        for (uint32_t place = 0; place < PLACES; place++) {
+        for (uint32_t place = 0; ok && place < PLACES; place++) {
             const picture *found = &drawn->found[hour][place], *r = &drawn->references[hour][place].picture;
             picture large = {0};
             const double exposure = picture_exposure(found); /* the reference's brightest are noise */

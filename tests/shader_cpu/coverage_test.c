@@ -1,5 +1,5 @@
-/* What is asked for is what is there, over 50 km squares of constant input (storms: 150 km). A part of what
- * velum-coverage (tests/accuracy) goes through. */
+/* What is asked for is what is there, over 50 km squares of constant input. A part of what velum-coverage
+ * (tests/accuracy) goes through. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,15 +27,20 @@ static int drop_noise(void **state) {
 static void squares_hold_what_was_asked_for(void **state) {
     for (int k = 0; k < COLUMN_CASES; k++) {
         const column_case *of = &column_cases[k];
-        /* Storms are few in such a square, so theirs is larger: see velum-coverage for what they are in the other. */
         const bool storm = of->slot == VELUM_SLOT_STORM;
-        const double side_m = storm ? 150000.0 : 50000.0;
+        /* The towers of a storm are large against the square: see velum-coverage. */
         const double bound = storm ? 0.025 : 0.02;
         for (int o = 0; o < 5; o++) {
             const float coverage = (float)oktas[o] / 8.0f;
             const double *place = places[(k + o) % 4];
             column_stats s;
-            assert_true(columns_measure(*state, of, coverage, place[0], place[1], side_m, 110, 32, &s));
+            assert_true(columns_measure(*state, of, coverage, place[0], place[1], 50000.0, 110, 32, &s));
+            if (storm && oktas[o] == 1) {
+                /* A square of 50 km misses it: storms are too few in it to have the water of all. */
+                column_stats wide;
+                assert_true(columns_measure(*state, of, coverage, place[0], place[1], 150000.0, 110, 32, &wide));
+                s.water = wide.water;
+            }
             const double water_bound = storm || oktas[o] == 1 ? 0.10 : 0.05;
             const bool good = fabs(s.coverage - (double)coverage) < bound && fabs(s.water - 1.0) < water_bound &&
                               fabs(s.base_error_m) < 10.0 && fabs(s.top_error_m) < 10.0;
@@ -73,10 +78,10 @@ static void storms_in_wind_hold_what_was_asked_for(void **state) {
     assert_int_equal(storm.slot, VELUM_SLOT_STORM);
     for (int w = 1; w <= 2; w++) {
         storm.wind_m_s = 10.0f * (float)w;
-        for (int o = 0; o < 5; o += 2) {
+        for (int o = 0; o < 5; o++) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
-            assert_true(columns_measure_anywhere(*state, &storm, coverage, 3000, 48, &s));
+            assert_true(columns_measure_anywhere(*state, &storm, coverage, 4000, 48, &s));
             const bool good = fabs(s.coverage - (double)coverage) < 0.02 && fabs(s.water - 1.0) < 0.05;
             if (!good) {
                 print_message("%g m/s, %d oktas: coverage %.4f, water %.3f\n", (double)storm.wind_m_s, oktas[o],

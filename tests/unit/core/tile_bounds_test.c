@@ -69,12 +69,15 @@ static void bounds_hold(void **state) {
     (void)state;
     static const int32_t genera[] = {VELUM_GENUS_ST, VELUM_GENUS_SC, VELUM_GENUS_CU, VELUM_GENUS_CB, VELUM_GENUS_AS,
                                      VELUM_GENUS_NS, VELUM_GENUS_AC, VELUM_GENUS_CS, VELUM_GENUS_CI, VELUM_GENUS_CC};
+    /* A global layer; in it a region of another; a region alone; both again with sharp edges. */
+    static const struct {
+        int first, count;
+        double transition_m;
+    } scenes[] = {{0, 1, 0.0}, {0, 2, 30000.0}, {1, 1, 30000.0}, {0, 2, 0.0}, {1, 1, 0.0}};
     uint32_t random = 1;
     uint32_t slots_seen = 0;
     for (size_t g = 0; g < sizeof genera / sizeof genera[0]; g++) {
-        /* A global layer; in it a region of another; a region alone; both again with sharp edges. Winds are against
-         * each other. */
-        for (int scene = 0; scene < 5; scene++) {
+        for (size_t scene = 0; scene < sizeof scenes / sizeof scenes[0]; scene++) {
             velum_layer layers[2] = {layer_of(genera[g], 0.2f + 0.07f * (float)g, 900.0f, 2600.0f),
                                      layer_of(genera[g], 0.95f, 1100.0f, 4000.0f)};
             layers[0].wind_east_m_s = 25.0f;
@@ -84,8 +87,8 @@ static void bounds_hold(void **state) {
             cells[1].lat_deg = 30.0;
             cells[1].lon_deg = 20.0;
             cells[1].half_east_m = cells[1].half_north_m = 20000.0;
-            cells[1].transition_m = scene < 3 ? 30000.0 : 0.0;
-            velum_state_desc desc = desc_of(scene % 2 == 1 || scene == 0 ? cells : cells + 1, scene % 2 == 1 ? 2 : 1);
+            cells[1].transition_m = scenes[scene].transition_m;
+            velum_state_desc desc = desc_of(cells + scenes[scene].first, (uint32_t)scenes[scene].count);
             core_state *made = state_of(&desc, NULL, 1);
             double normal[3];
             core_normal(30.0, 20.2, normal);
