@@ -2,7 +2,7 @@
 #ifndef VELUM_AIR_GLSL
 #define VELUM_AIR_GLSL
 
-#include "engine.glsl"
+#include "scattering.glsl"
 #include "shared/phase.h"
 
 const vec3 rayleigh_1_m = vec3(VELUM_RAYLEIGH_R, VELUM_RAYLEIGH_G, VELUM_RAYLEIGH_B);
@@ -17,8 +17,9 @@ float fog_extinction_1_m(float height_m) {
     return eye.drift.y * velum_fog_density(height_m, eye.drift.z);
 }
 
-/* Haze thins out upward from the surface; it has no top. */
+/* Haze thins out upward from the surface; it has no top. A place has fog or haze. */
 const float haze_scale_m = 1500.0;
+const float haze_g = 0.7;
 float haze_extinction_1_m(float height_m) {
     return eye.drift.w * exp(-max(height_m - eye.span.z, 0.0) / haze_scale_m);
 }
@@ -43,19 +44,20 @@ float sun_over_horizon(float height_m, float mu) {
     return smoothstep(-radius, radius, mu - velum_horizon_mu(height_m));
 }
 
-/* Asymmetry of haze and fog. What they scatter forward still counts as on its way (delta-Eddington, Joseph et al.
- * 1976); the other mean cosine is what is left. */
-const float haze_g = 0.7;
+/* What haze scatters forward still counts as on its way (delta-Eddington, Joseph et al. 1976); the other mean cosine is
+ * what is left. */
 const float haze_forward = haze_g * haze_g;
-const float fog_g = 0.75;
-const float fog_wide = 0.3; /* scattered evenly */
-const float fog_forward = (1.0 - fog_wide) * fog_g * fog_g;
 const float haze_turned_g = (haze_g - haze_forward) / (1.0 - haze_forward);
-const float fog_turned_g = ((1.0 - fog_wide) * fog_g - fog_forward) / (1.0 - fog_forward);
 
 float sun_through_haze(float height_m, float mu) {
     float slant = velum_slant(haze_scale_m, height_m, mu);
     return exp(-(1.0 - haze_forward) * haze_extinction_1_m(height_m) * haze_scale_m * slant);
+}
+
+/* Optical depth of fog straight up from a height. */
+float fog_over(float height_m) {
+    float top_m = eye.drift.z;
+    return eye.drift.y * max(velum_fog_column_m(top_m, top_m) - velum_fog_column_m(min(height_m, top_m), top_m), 0.0);
 }
 
 /* Transmittance of air, fog apart, between the eye's side and the sun; 1 without air. */
@@ -132,12 +134,15 @@ vec3 albedo_below(vec4 shade) {
 }
 
 /* All orders beyond the first, as if isotropic (Hillaire 2020, section 5.5): luminance per unit sun. */
-vec3 glow_at(float height_m, float mu_sun, vec3 albedo) {
+struct air_glow {
+    vec3 sky, ground; /* the latter over a white ground */
+};
+air_glow glow_at(float height_m, float mu_sun) {
     vec2 place = vec2(0.5 + 0.5 * mu_sun, clamp(height_m / VELUM_AIR_TOP_M, 0.0, 1.0));
     place = place * float(VELUM_GLOW_SIDE - 1) + 0.5;
     const vec2 size = vec2(VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE);
-    return textureLod(glow_table, place / size, 0.0).rgb +
-           albedo * textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb;
+    return air_glow(textureLod(glow_table, place / size, 0.0).rgb,
+                    textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb);
 }
 
 /* Of light that clouds have turned, with all orders of it in air and haze: fitted to the reference, to haze under
@@ -149,46 +154,72 @@ struct air_light {
     vec3 transmittance;
 };
 
-/* Luminance per unit length and unit sun that air, haze and fog send along a ray. The first order of haze and fog goes
- * by the phase function over scaled depths (Nakajima & Tanaka 1988), the others are Eddington's diffuse light. */
+/* Fog, per unit of its scattering: what it scatters more than once of a sun of illuminance 1, with what the ground sends
+ * of that, by the table; the same of even light from above, over half of that light's luminance; and the share of the
+ * sun's flux that both send back to the sky. */
+struct fog_light {
+    vec3 sun;
+    float sky;
+    float back;
+};
+fog_light fog_light_at(float above, float below, float mu_sun, float cos_sun, float rise, vec3 albedo) {
+    const float g = (1.0 - VELUM_FOG_EVEN) * VELUM_FOG_G;
+    float mean = dot(albedo, vec3(1.0 / 3.0));
+    float depth = (1.0 - g * g) * (above + below);
+    velum_diffuse surface = velum_diffuse_in(depth, 0.0, g / (1.0 + g), mu_sun, mean);
+    float lit = mu_sun * exp(-depth / mu_sun) / PI + surface.mean + surface.flux * (2.0 / 3.0);
+    vec2 sky = scattered_sky(VELUM_SCATTERING_FOG, above, below, -rise);
+    fog_light light;
+    light.sun = albedo * (lit * sky.y) +
+                scattered_sun(VELUM_SCATTERING_FOG, scattering_rest(g, 1.0), above, below, mu_sun, -rise, cos_sun);
+    light.sky = 2.0 * sky.x;
+    light.back = 1.0 - (1.0 - mean) * lit * PI / mu_sun;
+    return light;
+}
+
+/* Luminance per unit length and unit sun that air, haze and fog send along a ray. The first order of haze goes by the
+ * phase function over scaled depths (Nakajima & Tanaka 1988), the others are Eddington's diffuse light. */
 vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_sun, float rise, bool with_glow) {
     vec4 shade = shade_at(height_m);
     float beam = shade.x;
     float daylight = shade.x + shade.y;
     vec3 albedo = albedo_below(shade);
+    float sun_height = max(mu_sun, 0.06); /* as low as fog and haze take it for */
     vec3 sun = sun_through_air(height_m, mu_sun);
+    vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
-    vec3 turned = rayleigh + aerosol;
+    vec3 of_sky = rayleigh + aerosol;
     vec3 single = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
     vec3 source = sun * beam * single;
-    for (int once = haze + fog > 0.0 ? 0 : 1; once < 1; ++once) {
-        float sun_height = max(mu_sun, 0.06);
-        float top_m = eye.drift.z;
-        float fog_column = velum_fog_column_m(min(height_m, top_m), top_m);
-        float fog_above = eye.drift.y * max(velum_fog_column_m(top_m, top_m) - fog_column, 0.0);
-        float fog_below = eye.drift.y * max(fog_column - velum_fog_column_m(eye.span.z, top_m), 0.0);
-        float haze_above = haze * haze_scale_m;
-        float haze_below = max(haze_extinction_1_m(eye.span.z) * haze_scale_m - haze_above, 0.0);
-        float fog_scaled = (1.0 - fog_forward) * fog;
-        float haze_scaled = (1.0 - haze_forward) * haze;
-        float above = (1.0 - fog_forward) * fog_above + (1.0 - haze_forward) * haze_above;
-        float below = (1.0 - fog_forward) * fog_below + (1.0 - haze_forward) * haze_below;
-        float g = mix(haze_turned_g, fog_turned_g, fog_scaled / max(fog_scaled + haze_scaled, 1e-12));
-        vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
-        velum_diffuse diffuse = velum_diffuse_in(above, below, g, sun_height, dot(albedo, vec3(1.0 / 3.0)));
-        float direct = exp(-(1.0 - fog_forward) * fog_above / sun_height);
-        float first = haze * velum_phase_hg(cos_sun, haze_g) +
-                      fog * ((1.0 - fog_wide) * velum_phase_hg(cos_sun, fog_g) + fog_wide * VELUM_INV_4PI);
+    for (int once = haze > 0.0 ? 0 : 1; once < 1; ++once) {
+        float scaled = (1.0 - haze_forward) * haze;
+        float above = scaled * haze_scale_m;
+        float below = max((1.0 - haze_forward) * haze_extinction_1_m(eye.span.z) * haze_scale_m - above, 0.0);
+        velum_diffuse diffuse = velum_diffuse_in(above, below, haze_turned_g, sun_height, dot(albedo, vec3(1.0 / 3.0)));
         /* Light that comes to the eye goes against the ray: upward rays see what goes down. */
-        float others = max(diffuse.mean + g * rise * diffuse.flux, 0.0);
-        source += sun * beam * direct * first + clean * daylight * (fog_scaled + haze_scaled) * others;
-        turned += fog_scaled + haze_scaled;
+        float others = max(diffuse.mean + haze_turned_g * rise * diffuse.flux, 0.0);
+        source += sun * beam * haze * velum_phase_hg(cos_sun, haze_g) + clean * daylight * scaled * others;
+        of_sky += scaled;
+    }
+    vec3 of_ground = of_sky * albedo;
+    float of_back = 0.0;
+    for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {
+        float above = fog_over(height_m);
+        float below = max(fog_over(eye.span.z) - above, 0.0);
+        fog_light light = fog_light_at(above, below, sun_height, cos_sun, rise, albedo);
+        float first = (1.0 - VELUM_FOG_EVEN) * velum_phase_hg(cos_sun, VELUM_FOG_G) + VELUM_FOG_EVEN * VELUM_INV_4PI;
+        source += sun * fog * (beam * exp(-above / sun_height) * first + daylight * light.sun);
+        of_sky += fog * light.sky;
+        of_back = fog * light.sky * light.back;
     }
     /* What has come through cloud, or aside of it, comes from all over it. */
-    source += turned * sun * (diffused * shade.y) * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
+    source += of_sky * sun * (diffused * shade.y) * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
-        source += turned * shade.w * glow_at(height_m, mu_sun, albedo);
+        air_glow glow = glow_at(height_m, mu_sun);
+        /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
+        vec3 sent_back = max(glow.ground - sun * (max(mu_sun, 0.0) / (2.0 * PI)), vec3(0.0));
+        source += shade.w * (of_sky * glow.sky + of_ground * glow.ground + of_back * sent_back);
     }
     return source;
 }
@@ -255,7 +286,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         float fog = fog_extinction_1_m(p.height_m);
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
-        vec3 dims = extinction - vec3(fog * fog_forward + haze * haze_forward);
+        vec3 dims = extinction - vec3(haze_forward * haze);
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
         result.luminance += reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));

@@ -245,16 +245,17 @@ const float lump_face = 0.6, lump_low = 0.4;
 const float deck_face = 0.38, deck_tilt = 0.29;
 /* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
  */
-const float wall_share = 0.5, walls_seen = 0.65;
+const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
 const float storm_walls = 0.6;  /* ... and most of what their flanks see */
-const float limb = 2.0; /* diffuse light leaves a face steeply rather than along it */
+/* Diffuse light leaves a face steeply rather than along it, and below that falls towards the dark side: by the way there. */
+const float limb = 2.0, falls = 1.8;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 /* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
-const float crevice = 0.6;
-const float flank_share = 0.15; /* of the noise's period: from hem to heart of what light crosses */
-const float onset = 0.107; /* of light that has turned, by the depth of all of the cloud */
-const float widened_share = 0.55, widened_loss = 0.21;
+const float crevice = 0.54;
+const float flank_share = 0.168; /* of the noise's period: from hem to heart of what light crosses */
+const float onset = 0.12; /* of light that has turned, by the depth of all of the cloud */
+const float widened_share = 0.62, widened_loss = 0.21;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -298,7 +299,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float dark = down + max(flank - lit, 0.0);
-    float steep = max(1.0 + limb * hit.rise * (down - up), 0.0);
+    float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);

@@ -312,8 +312,8 @@ air_matter air_at(float h) {
 /* Phase functions as march.comp and air.glsl have them in first order. */
 velum_phase_lobes medium_phase(int medium) {
     float g = medium == medium_aerosol ? VELUM_AEROSOL_G
-              : medium == medium_haze  ? 0.7
-              : medium == medium_fog   ? 0.75
+              : medium == medium_haze  ? haze_g
+              : medium == medium_fog   ? VELUM_FOG_G
               : medium == VELUM_SLOT_UNIFORM   ? eye.slots[VELUM_SLOT_UNIFORM].optics.y
               : medium == VELUM_SLOT_UNIFORM_2 ? eye.slots[VELUM_SLOT_UNIFORM_2].optics.y
                                                : 0.0;
@@ -323,7 +323,7 @@ velum_phase_lobes medium_phase(int medium) {
     p.g_first = droplets ? cloud.g_first : p.g_first;
     p.g_second = droplets ? cloud.g_second : 0.0;
     p.alpha_second = droplets ? cloud.alpha_second : medium == medium_rayleigh ? 1.0 : 0.0;
-    p.weight_second = droplets ? cloud.weight_second : medium == medium_rayleigh ? 1.0 : medium == medium_fog ? 0.3 : 0.0;
+    p.weight_second = droplets ? cloud.weight_second : medium == medium_rayleigh ? 1.0 : medium == medium_fog ? VELUM_FOG_EVEN : 0.0;
     return p;
 }
 

@@ -399,7 +399,8 @@ void main() {
             vec3 r = ray.origin + ray.direction * ground;
             velum_place to = place_of(r);
             float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
-            vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r);
+            float fog = exp(-fog_over(0.0) / max(mu_sun, 1e-3));
+            vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r) * fog;
             vec3 sky_up = eye.ground.w != 0.0 ? half_world(0.0, false, true) * PI : vec3(0.0);
             light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
             transmittance = vec3(0.0);

@@ -21,8 +21,11 @@
 #define VELUM_OZONE_CENTRE_M 25000.0f
 #define VELUM_OZONE_HALF_M 15000.0f
 
-/* Haze and fog: full up to the top less this, none above the top. */
+/* Fog: full up to the top less this, none above the top; Henyey and Greenstein's function and a share that it scatters
+ * evenly. */
 #define VELUM_FOG_RAMP_M 120.0f
+#define VELUM_FOG_G 0.75f
+#define VELUM_FOG_EVEN 0.3f
 
 VELUM_FN float velum_rayleigh_density(float height_m) {
     return VELUM_EXP(-VELUM_MAX(height_m, -500.0f) / VELUM_RAYLEIGH_SCALE_M);

@@ -7,6 +7,7 @@
 #ifndef VELUM_SCATTERING_H
 #define VELUM_SCATTERING_H
 
+#include "air.h"
 #include "phase_sample.h"
 
 /* Nodes: optical depths 2^k, of the cloud towards the lit face (x) and away from it (y); direction of the light, mu
@@ -18,10 +19,11 @@
 #define VELUM_SCATTERING_SUNS 13
 #define VELUM_SCATTERING_SLICES (VELUM_SCATTERING_MUS * (VELUM_SCATTERING_SUNS + 1))
 
-/* VELUM_SLOT_UNIFORM and the next, then cloud of droplets and of ice. */
-#define VELUM_SCATTERING_TABLES 4
+/* VELUM_SLOT_UNIFORM and the next, then cloud of droplets and of ice, and fog. */
+#define VELUM_SCATTERING_TABLES 5
 #define VELUM_SCATTERING_WATER 2
 #define VELUM_SCATTERING_ICE 3
+#define VELUM_SCATTERING_FOG 4
 
 /* Streams in a half space. What phase functions have beyond twice as many moments goes straight on: the part
  * `velum_scattering_peak` of all scattering (delta-M, Wiscombe 1977). */
@@ -117,6 +119,10 @@ VELUM_FN float velum_scattering_peak(velum_phase_lobes p) {
 #define VELUM_SCATTERING_WATER_REST 0.784175992f
 #define VELUM_SCATTERING_ICE_PEAK 0.145994768f
 #define VELUM_SCATTERING_ICE_REST 0.707261741f
+
+VELUM_FN velum_phase_lobes velum_phase_lobes_fog(void) {
+    return velum_phase_lobes_make(VELUM_FOG_G, 0.0f, 0.0f, VELUM_FOG_EVEN);
+}
 
 /* Henyey and Greenstein's function for sunlight that has gone straight on `straight` times on the mean before, which
  * the peak takes for nothing: who has done so k times scatters by the function's own k + 1st convolution, which is

@@ -206,11 +206,44 @@ static void cloud_shades_the_air_under_a_low_sun(void **state) {
     fixture_finish(&f);
 }
 
+/* Fog of 600 m visibility up to 150 m, from within: up, along and down to the ground, which it half hides. */
+static void fog_is_as_bright_as_its_reference(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    const velum_cell cell = {.struct_size = sizeof cell,
+                             .flags = VELUM_CELL_HAS_VISIBILITY,
+                             .id = 1,
+                             .kind = VELUM_CELL_GLOBAL,
+                             .visibility_m = 600.0f,
+                             .fog_top_m = 150.0f};
+    const velum_state_desc weather = {.struct_size = sizeof weather, .cells = &cell, .cell_count = 1};
+    assert_int_equal(f.world_api->commit(f.world, &weather, &f.state), VELUM_OK);
+    static const double pitches_deg[] = {30.0, 0.0, -30.0};
+    static const double suns_deg[] = {50.0, 15.0};
+    for (int i = 0; i < 6; i++) {
+        scene s = {.height_m = 60.0,
+                   .pitch_deg = pitches_deg[i % 3],
+                   .sun_deg = suns_deg[i / 3],
+                   .albedo = 0.2f,
+                   .quality = VELUM_QUALITY_REFERENCE,
+                   .atmosphere = VELUM_ATMOSPHERE_EARTH};
+        const double expected = look(&f, &s).luminance;
+        s.quality = VELUM_QUALITY_MEDIUM;
+        const double found = look(&f, &s).luminance;
+        print_message("fog, pitch %g, sun %g degrees: %.3f of the reference\n", s.pitch_deg, s.sun_deg,
+                      found / expected);
+        assert_float_equal(found, expected, 0.08 * expected);
+    }
+    fixture_finish(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_sea_below_the_ellipsoid_is_like_any),
                                        cmocka_unit_test(white_ground_under_deep_cloud_gains_nothing),
                                        cmocka_unit_test(a_closed_sheet_lets_light_through_as_a_slab_does),
                                        cmocka_unit_test(cloud_is_met_from_any_height),
-                                       cmocka_unit_test(cloud_shades_the_air_under_a_low_sun)};
+                                       cmocka_unit_test(cloud_shades_the_air_under_a_low_sun),
+                                       cmocka_unit_test(fog_is_as_bright_as_its_reference)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
