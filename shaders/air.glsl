@@ -154,9 +154,9 @@ struct air_light {
     vec3 transmittance;
 };
 
-/* Fog, per unit of its scattering: what it scatters more than once of a sun of illuminance 1, with what the ground sends
- * of that, by the table; the same of even light from above, over half of that light's luminance; and the share of the
- * sun's flux that both send back to the sky. */
+/* Fog, per unit of its scattering: what it scatters more than once of a sun of illuminance 1, with what the ground
+ * sends of that, by the table; the same of even light from above, over half of that light's luminance; and the share of
+ * the sun's flux that both send back to the sky. */
 struct fog_light {
     vec3 sun;
     float sky;
@@ -196,7 +196,8 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         float scaled = (1.0 - haze_forward) * haze;
         float above = scaled * haze_scale_m;
         float below = max((1.0 - haze_forward) * haze_extinction_1_m(eye.span.z) * haze_scale_m - above, 0.0);
-        velum_diffuse diffuse = velum_diffuse_in(above, below, haze_turned_g, sun_height, dot(albedo, vec3(1.0 / 3.0)));
+        float mean = dot(albedo, vec3(1.0 / 3.0));
+        velum_diffuse diffuse = velum_diffuse_in(above, below, haze_turned_g, sun_height, mean);
         /* Light that comes to the eye goes against the ray: upward rays see what goes down. */
         float others = max(diffuse.mean + haze_turned_g * rise * diffuse.flux, 0.0);
         source += sun * beam * haze * velum_phase_hg(cos_sun, haze_g) + clean * daylight * scaled * others;
@@ -224,19 +225,18 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     return source;
 }
 
-/* Where a ray goes into the fog or out of it, within its way; 0: nowhere. */
-float fog_border_m(vec3 o, vec3 d, float distance_m) {
-    float border_m = 0.0;
+/* From where to where a ray is in the fog, within its way; alike: nowhere. */
+vec2 fog_way_m(vec3 o, vec3 d, float distance_m) {
+    vec2 way = vec2(0.0);
     for (int once = eye.drift.y > 0.0 ? 0 : 1; once < 1; ++once) {
         velum_place p = place_of(o);
         float rise = dot(vec3(p.nx, p.ny, p.nz), d);
-        float over_m = p.height_m - eye.drift.z;
-        float inside = rise * rise - 2.0 * over_m / VELUM_WGS84_A_M;
+        float inside = rise * rise - 2.0 * (p.height_m - eye.drift.z) / VELUM_WGS84_A_M;
         float root = sqrt(max(inside, 0.0));
-        float at_m = VELUM_WGS84_A_M * ((over_m > 0.0 ? -root : root) - rise);
-        border_m = inside > 0.0 && at_m > 0.0 && at_m < 0.98 * distance_m ? at_m : 0.0;
+        vec2 at = VELUM_WGS84_A_M * (vec2(-root, root) - rise);
+        way = inside > 0.0 ? clamp(at, vec2(0.0), vec2(distance_m)) : vec2(0.0);
     }
-    return border_m;
+    return way;
 }
 
 /* Where a share of the steps along a way of air ends: they are finest about `low_m`, and more so the steeper it is. */
@@ -261,9 +261,11 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         o += d * enter_m;
         distance_m -= enter_m;
     }
-    float border_m = fog_border_m(o, d, distance_m);
-    bool fog_first = border_m > 0.0 && fog_extinction_1_m(place_of(o).height_m) > 0.0;
-    int own = border_m > 0.0 ? (fog_first ? steps / 3 : steps - steps / 3) : 0;
+    /* Before fog, in it and behind it; from within it there is no before. */
+    vec2 fog_m = fog_way_m(o, d, distance_m);
+    int inside = fog_m.y > fog_m.x ? steps / 3 : 0;
+    int behind = fog_m.x <= 0.0 ? steps - inside : fog_m.y < 0.98 * distance_m ? steps / 6 : 0;
+    int ahead = steps - inside - behind;
     /* The lowest place is where most of the air is, if it is much lower than the first. */
     velum_place first = place_of(o);
     float fall = -dot(vec3(first.nx, first.ny, first.nz), d);
@@ -274,9 +276,14 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
     float before = 0.0;
     vec3 reaches = vec3(1.0); /* of light, that forward scattering keeps on its way */
     for (int i = 0; i < steps; ++i) {
-        float x = i < own ? float(i + 1) / float(own) : float(i + 1 - own) / float(steps - own);
-        float t1 = i < own ? air_node(x, border_m, low_m, steep)
-                           : border_m + air_node(x, distance_m - border_m, low_m - border_m, steep);
+        int part = i < ahead ? 0 : i < ahead + inside ? 1 : 2;
+        float from_m = part == 0 ? 0.0 : part == 1 ? fog_m.x : fog_m.y;
+        float way_m = (part == 0 ? fog_m.x : part == 1 ? fog_m.y : distance_m) - from_m;
+        int done = part == 0 ? 0 : part == 1 ? ahead : ahead + inside;
+        float x = float(i + 1 - done) / float(part == 0 ? ahead : part == 1 ? inside : behind);
+        /* From above, of fog the skin is seen. */
+        bool skin = part == 1 && ahead > 0;
+        float t1 = from_m + (skin ? way_m * x * x * x : air_node(x, way_m, low_m - from_m, steep));
         float t = 0.5 * (before + t1);
         float dt = t1 - before;
         before = t1;

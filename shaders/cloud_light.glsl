@@ -248,7 +248,8 @@ const float deck_face = 0.38, deck_tilt = 0.29;
 const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
 const float storm_walls = 0.6;  /* ... and most of what their flanks see */
-/* Diffuse light leaves a face steeply rather than along it, and below that falls towards the dark side: by the way there. */
+/* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
+ * nearer that is. */
 const float limb = 2.0, falls = 1.8;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 /* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */

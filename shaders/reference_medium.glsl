@@ -323,7 +323,8 @@ velum_phase_lobes medium_phase(int medium) {
     p.g_first = droplets ? cloud.g_first : p.g_first;
     p.g_second = droplets ? cloud.g_second : 0.0;
     p.alpha_second = droplets ? cloud.alpha_second : medium == medium_rayleigh ? 1.0 : 0.0;
-    p.weight_second = droplets ? cloud.weight_second : medium == medium_rayleigh ? 1.0 : medium == medium_fog ? VELUM_FOG_EVEN : 0.0;
+    float second = medium == medium_rayleigh ? 1.0 : medium == medium_fog ? VELUM_FOG_EVEN : 0.0;
+    p.weight_second = droplets ? cloud.weight_second : second;
     return p;
 }
 

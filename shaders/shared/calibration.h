@@ -75,10 +75,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.4514f, 0.9018f, 0.0519f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 0.9467f, 0.4993f, -0.2419f, -0.0476f, 0.1896f, 3.3250f, -0.0736f, 0.0326f,
-                                   -0.0037f, 0.8456f, 0.0179f);
-        b = velum_calibration_make(10600.0f, 1.0054f, 0.9182f, -0.2732f, 0.0171f, 0.0150f, 6.5751f, -0.1466f, -0.7811f,
-                                   0.2506f, 0.9498f, 0.0025f);
+        a = velum_calibration_make(10600.0f, 0.9150f, 0.4002f, -0.2440f, -0.0247f, 0.1529f, 2.9109f, -0.0600f, 0.0484f,
+                                   -0.0147f, 0.9136f, 0.0094f);
+        b = velum_calibration_make(10600.0f, 0.9596f, 0.8204f, -0.2731f, 0.0523f, -0.0331f, 5.3835f, -0.1026f, -0.7318f,
+                                   0.2296f, 1.0071f, -0.0051f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

@@ -118,9 +118,9 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
 /* What an anvil covers beside its tower, over what that covers, a metre that the wind carries it. */
-#define VELUM_ANVIL_COVER_1_M 1.3e-4f
+#define VELUM_ANVIL_COVER_1_M 1.4e-4f
 /* The smaller its clouds the more ragged: erosion, over coverage. */
-#define VELUM_STORM_RAGGED 0.02f
+#define VELUM_STORM_RAGGED 0.01f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
@@ -153,8 +153,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                 velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers; a storm with its anvil. */
-        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.65f, 0.07f, 0.35f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 20.0f, 0.68f, 0.07f, 0.35f, 0.50f, 0.0f, 0.4f, 150.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.65f, 0.07f, 0.12f, 0.0f, 0.0f, 0.6f, 100.0f),
+                                velum_profile_make(0.80f, 20.0f, 0.68f, 0.07f, 0.12f, 0.50f, 0.0f, 0.4f, 150.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -208,7 +208,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         float feet = velum_mix(1.0f, 0.74f + c * (0.62f - 0.2f * c), VELUM_MIN(thickness_m / 10600.0f, 1.5f));
         feet = feet / (1.0f + VELUM_ANVIL_COVER_1_M * velum_anvil_m(fields) * (1.0f - 0.85f * c));
         p.coverage_scale = p.coverage_scale * feet;
-        p.density_scale = p.density_scale * (0.95f + 0.025f / VELUM_MAX(c, 0.05f)) / feet;
+        p.density_scale = p.density_scale * (0.97f + 0.015f / VELUM_MAX(c, 0.05f)) / feet;
         p.reach = p.reach * (0.85f + 0.15f * feet);
     }
     return p;
