@@ -6,7 +6,7 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
 
-const int directions = 8; /* squared */
+const int zeniths = 16, azimuths = 8;
 const int steps = 20;
 
 void main() {
@@ -23,9 +23,12 @@ void main() {
     float top = VELUM_WGS84_A_M + VELUM_AIR_TOP_M;
     vec3 second = vec3(0.0);
     vec3 factor = vec3(0.0);
-    for (int k = 0; k < directions * directions; ++k) {
-        float c = 1.0 - 2.0 * (float(k / directions) + 0.5) / float(directions);
-        float a = 2.0 * PI * (float(k % directions) + 0.5) / float(directions);
+    for (int k = 0; k < zeniths * azimuths; ++k) {
+        /* Finest at the horizon, where air shines most. */
+        float u = 1.0 - 2.0 * (float(k / azimuths) + 0.5) / float(zeniths);
+        float c = u * abs(u);
+        float weight = 2.0 * abs(u) / float(zeniths * azimuths);
+        float a = 2.0 * PI * (float(k % azimuths) + 0.5) / float(azimuths);
         float s = sqrt(max(1.0 - c * c, 0.0));
         vec3 d = vec3(s * cos(a), s * sin(a), c);
         float b = r * c;
@@ -47,17 +50,15 @@ void main() {
             vec3 step_t = exp(-extinction * dt);
             vec3 share = t * scattering * (1.0 - step_t) / max(extinction, vec3(1e-12));
             float lit = smoothstep(-0.005, 0.005, mu - velum_horizon_mu(h));
-            second += share * air_to_space(h, max(mu, velum_horizon_mu(h))) * (of_ground ? 0.0 : lit / (4.0 * PI));
-            factor += share;
+            vec3 beam = air_to_space(h, max(mu, velum_horizon_mu(h)));
+            second += weight * share * beam * (of_ground ? 0.0 : lit / (4.0 * PI));
+            factor += weight * share;
             t *= step_t;
         }
         if (hits && of_ground) {
             float mu = (r * mu_sun + distance_m * dot(d, sun)) / VELUM_WGS84_A_M;
-            second += t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) / PI;
+            second += weight * t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) / PI;
         }
     }
-    float weight = 1.0 / float(directions * directions);
-    second *= weight;
-    factor *= weight;
     imageStore(glow_out, texel, vec4(second / max(1.0 - factor, vec3(0.05)), 1.0));
 }
