@@ -368,7 +368,7 @@ void noise_volumes_bury(engine *e);
 /* scattering.c */
 bool scattering_init(engine *e);
 /* What is not there yet of this frame's weather. */
-velum_result scattering_record(engine *e, VkCommandBuffer commands, const velum_eye_block *seen_from);
+velum_result scattering_record(engine *e, VkCommandBuffer commands);
 
 /* plan.c */
 const char *plan_preset_name(int32_t quality);

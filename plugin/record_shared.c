@@ -71,7 +71,7 @@ static velum_result record_begin(engine *e, VkCommandBuffer commands) {
         gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     }
-    return VELUM_OK;
+    return scattering_record(e, commands);
 }
 
 /* The eyes of the call, checked whole before anything is recorded. */
@@ -186,10 +186,6 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
         if (!blocks_fill_eye(e, &y->tiles, y->position_ecef_m, &y->plan, &y->block)) {
             check_fail(&check, VELUM_ERROR_ARGUMENT, "eyes[%u].position_ecef_m: no place on the earth", i);
             return check.result;
-        }
-        result = scattering_record(e, commands, &y->block);
-        if (result < 0) {
-            return result;
         }
         if (!frame_engine_set(e, &y->sky, &y->set)) {
             return gpu_result(&e->g);

@@ -47,9 +47,8 @@ static bool copy_table(engine *e, VkCommandBuffer commands, uint32_t which, cons
     return ok;
 }
 
-/* What table `which` has to be for, of weather in these slots about this eye. False: nothing reads it. */
-static bool wanted(const engine *e, const velum_eye_block *seen_from, uint32_t which, uint32_t slots,
-                   scattering_key *out) {
+/* What table `which` has to be for, of weather in these slots. False: nothing reads it. */
+static bool wanted(const engine *e, uint32_t which, uint32_t slots, scattering_key *out) {
     const uint32_t ice = 1u << VELUM_SLOT_HIGH;
     const uint32_t water = 1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_MIDDLE;
     uint32_t readers = which == VELUM_SCATTERING_ICE ? ice : water;
@@ -57,7 +56,7 @@ static bool wanted(const engine *e, const velum_eye_block *seen_from, uint32_t w
     out->albedo = 1.0f;
     if (which == VELUM_SCATTERING_FOG) {
         out->phase = velum_phase_lobes_fog();
-        return seen_from->drift[1] > 0.0f;
+        return e->frame.atmosphere != VELUM_ATMOSPHERE_NONE; /* a frame must not wait for it where fog begins */
     }
     out->phase = velum_phase_lobes_cloud(which == VELUM_SCATTERING_ICE);
     if (which < VELUM_SCATTERING_WATER) {
@@ -76,7 +75,7 @@ static bool alike(const scattering_key *a, const scattering_key *b) {
            a->phase.weight_second == b->phase.weight_second;
 }
 
-velum_result scattering_record(engine *e, VkCommandBuffer commands, const velum_eye_block *seen_from) {
+velum_result scattering_record(engine *e, VkCommandBuffer commands) {
     uint32_t slots = 0;
     for (int i = 0; i < 2; i++) {
         slots |= e->weather.state[i] ? core_state_slot_mask(e->weather.state[i]) : 0;
@@ -85,7 +84,7 @@ velum_result scattering_record(engine *e, VkCommandBuffer commands, const velum_
     for (uint32_t i = 0; i < VELUM_SCATTERING_TABLES; i++) {
         scattering_key *known = &e->scattering_key[i];
         scattering_key key;
-        if (!wanted(e, seen_from, i, slots, &key) || alike(known, &key)) {
+        if (!wanted(e, i, slots, &key) || alike(known, &key)) {
             continue;
         }
         gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,

@@ -152,30 +152,43 @@ const float diffused = 1.25;
 struct air_light {
     vec3 luminance; /* per unit sun_lx, already times it */
     vec3 transmittance;
+    vec3 reaches; /* of light from beyond, that haze scatters forward too */
 };
 
-/* Fog, per unit of its scattering: what it scatters more than once of a sun of illuminance 1, with what the ground
- * sends of that, by the table; the same of even light from above, over half of that light's luminance; and the share of
+const float fog_mean_cosine = (1.0 - VELUM_FOG_EVEN) * VELUM_FOG_G;
+
+/* Share of the sun's flux that comes to the ground under fog of so much optical depth, by Eddington's approximation. */
+float sun_under_fog(float depth, float mu_sun, float albedo) {
+    const float g = fog_mean_cosine;
+    float scaled = (1.0 - g * g) * depth;
+    velum_diffuse surface = velum_diffuse_in(scaled, 0.0, g / (1.0 + g), mu_sun, albedo);
+    return exp(-scaled / mu_sun) + (PI / mu_sun) * (surface.mean + surface.flux * (2.0 / 3.0));
+}
+
+/* Fog, per unit of its scattering, with what the ground sends: what it scatters more than once of a sun of illuminance
+ * 1, by the table; all that it scatters of even light from above, over half of that light's luminance; and the share of
  * the sun's flux that both send back to the sky. */
 struct fog_light {
-    vec3 sun;
-    float sky;
+    vec3 sun, sky;
     float back;
 };
 fog_light fog_light_at(float above, float below, float mu_sun, float cos_sun, float rise, vec3 albedo) {
-    const float g = (1.0 - VELUM_FOG_EVEN) * VELUM_FOG_G;
+    const float g = fog_mean_cosine;
     float mean = dot(albedo, vec3(1.0 / 3.0));
-    float depth = (1.0 - g * g) * (above + below);
-    velum_diffuse surface = velum_diffuse_in(depth, 0.0, g / (1.0 + g), mu_sun, mean);
-    float lit = mu_sun * exp(-depth / mu_sun) / PI + surface.mean + surface.flux * (2.0 / 3.0);
+    float lit = sun_under_fog(above + below, mu_sun, mean);
+    float through = 1.0 / (1.0 + 0.75 * (1.0 - mean) * (1.0 - g) * (above + below)); /* Eddington's, of even light */
     vec2 sky = scattered_sky(VELUM_SCATTERING_FOG, above, below, -rise);
     fog_light light;
-    light.sun = albedo * (lit * sky.y) +
+    light.sun = albedo * (lit * mu_sun / PI * sky.y) +
                 scattered_sun(VELUM_SCATTERING_FOG, scattering_rest(g, 1.0), above, below, mu_sun, -rise, cos_sun);
-    light.sky = 2.0 * sky.x;
-    light.back = 1.0 - (1.0 - mean) * lit * PI / mu_sun;
+    light.sky = 2.0 * (sky.x + albedo * (through * sky.y));
+    light.back = 1.0 - (1.0 - mean) * lit;
     return light;
 }
+
+/* Of the clear sky's light, what an even sky of as much flux would have: it is brightest at the horizon. Fitted to the
+ * reference; of molecules that shine alike at all heights it would be 0.52, 0.61 and 0.74, (1 - 2 E3) / (1 - E2). */
+const float fog_sky = 0.85;
 
 /* Luminance per unit length and unit sun that air, haze and fog send along a ray. The first order of haze goes by the
  * phase function over scaled depths (Nakajima & Tanaka 1988), the others are Eddington's diffuse light. */
@@ -204,18 +217,20 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         of_sky += scaled;
     }
     vec3 of_ground = of_sky * albedo;
-    float of_back = 0.0;
+    vec3 of_cloud = diffused * of_sky;
+    vec3 of_back = vec3(0.0);
     for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
         fog_light light = fog_light_at(above, below, sun_height, cos_sun, rise, albedo);
         float first = (1.0 - VELUM_FOG_EVEN) * velum_phase_hg(cos_sun, VELUM_FOG_G) + VELUM_FOG_EVEN * VELUM_INV_4PI;
-        source += sun * fog * (beam * exp(-above / sun_height) * first + daylight * light.sun);
-        of_sky += fog * light.sky;
+        source += sun * (fog * beam) * (exp(-above / sun_height) * first + light.sun);
+        of_sky += fog * light.sky * fog_sky;
+        of_cloud += fog * light.sky;
         of_back = fog * light.sky * light.back;
     }
     /* What has come through cloud, or aside of it, comes from all over it. */
-    source += of_sky * sun * (diffused * shade.y) * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
+    source += of_cloud * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
         /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
@@ -234,7 +249,7 @@ vec2 fog_way_m(vec3 o, vec3 d, float distance_m) {
         float inside = rise * rise - 2.0 * (p.height_m - eye.drift.z) / VELUM_WGS84_A_M;
         float root = sqrt(max(inside, 0.0));
         vec2 at = VELUM_WGS84_A_M * (vec2(-root, root) - rise);
-        way = inside > 0.0 ? clamp(at, vec2(0.0), vec2(distance_m)) : vec2(0.0);
+        way = inside > 0.0 && at.x < distance_m ? clamp(at, vec2(0.0), vec2(distance_m)) : vec2(0.0);
     }
     return way;
 }
@@ -250,7 +265,7 @@ float air_node(float share, float way_m, float low_m, float steep) {
 
 /* Air and fog from offset o along d. */
 air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow) {
-    air_light result = air_light(vec3(0.0), vec3(1.0));
+    air_light result = air_light(vec3(0.0), vec3(1.0), vec3(1.0));
     if (eye.ground.w == 0.0) {
         return result;
     }
@@ -263,8 +278,11 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
     }
     /* Before fog, in it and behind it; from within it there is no before. */
     vec2 fog_m = fog_way_m(o, d, distance_m);
-    int inside = fog_m.y > fog_m.x ? steps / 3 : 0;
-    int behind = fog_m.x <= 0.0 ? steps - inside : fog_m.y < 0.98 * distance_m ? steps / 6 : 0;
+    bool foggy = fog_m.y > fog_m.x;
+    bool ends = fog_m.y < 0.98 * distance_m;
+    bool within = foggy && fog_m.x <= 0.0;
+    int inside = !foggy ? 0 : within && !ends ? steps : steps / 3;
+    int behind = !foggy || within ? steps - inside : ends ? steps / 6 : 0;
     int ahead = steps - inside - behind;
     /* The lowest place is where most of the air is, if it is much lower than the first. */
     velum_place first = place_of(o);
@@ -274,7 +292,6 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
     float low_m = lowest_m * (1.0 - exp(-drop_m / 3000.0));
     float steep = min(drop_m / 30000.0, 1.0);
     float before = 0.0;
-    vec3 reaches = vec3(1.0); /* of light, that forward scattering keeps on its way */
     for (int i = 0; i < steps; ++i) {
         int part = i < ahead ? 0 : i < ahead + inside ? 1 : 2;
         float from_m = part == 0 ? 0.0 : part == 1 ? fog_m.x : fog_m.y;
@@ -296,8 +313,8 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         vec3 dims = extinction - vec3(haze_forward * haze);
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
-        result.luminance += reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
-        reaches *= step_t;
+        result.luminance += result.reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
+        result.reaches *= step_t;
         result.transmittance *= exp(-extinction * dt);
     }
     result.luminance *= eye.sun_lx.rgb;

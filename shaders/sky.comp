@@ -34,7 +34,8 @@ vec3 ambient(int index) {
     vec4 low = shade_at(0.0);
     vec4 here = shade_at(height_m);
     vec3 flux = 1.1 / PI * eye.sun_lx.rgb * max(mu_sun, 0.0);
-    vec3 from_ground = flux * sun_through_air(0.0, mu_sun) * (low.x + low.y) * eye.ground.rgb;
+    float under_fog = sun_under_fog(fog_over(eye.span.z), max(mu_sun, 0.06), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
+    vec3 from_ground = flux * sun_through_air(0.0, mu_sun) * (low.x + low.y) * under_fog * eye.ground.rgb;
     vec3 from_above = flux * sun_through_air(height_m, mu_sun) * here.y;
     vec3 from_cloud = flux * sun_through_air(0.5 * height_m, mu_sun) * (here.x + here.y) * here.z;
     vec3 sum = vec3(0.0);
@@ -49,9 +50,9 @@ vec3 ambient(int index) {
         air_light light = air_march(o + d * start, d, distance_m, 8, true);
         vec3 luminance = light.luminance;
         if (below) {
-            luminance += light.transmittance * from_ground * (1.0 - here.z) + sqrt(light.transmittance) * from_cloud;
+            luminance += light.transmittance * from_ground * (1.0 - here.z) + light.reaches * from_cloud;
         } else {
-            luminance += sqrt(light.transmittance) * from_above;
+            luminance += light.reaches * from_above;
         }
         sum += (even ? 2.0 * c : 1.0) * luminance;
     }

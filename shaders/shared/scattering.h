@@ -1,4 +1,4 @@
-/* Light that cloud has scattered more than once, as a table over plane-parallel layers: source function (radiance that
+/* Light that cloud or fog has scattered more than once, as a table over plane-parallel layers: source function (radiance that
  * a metre adds, over its extinction) at a depth below one face and above the other, by all orders but the first from
  * the sun, and by all orders from an even sky. It is made for each phase function by adding and doubling
  * (core/scattering_table.h). What it holds are binary logarithms, so that thin and thick, bright and dark are
