@@ -1,5 +1,4 @@
-/* The tables of multiple scattering: of the uniform layers that the weather has, of cloud that closes, and
- * of fog. */
+/* The tables of multiple scattering: of the uniform layers that the weather has, of cloud that closes, of fog. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -157,6 +157,11 @@ struct air_light {
 
 const float fog_mean_cosine = (1.0 - VELUM_FOG_EVEN) * VELUM_FOG_G;
 
+/* Cosine of the sun, as low as fog and haze take it for. */
+float sun_on_fog(float mu_sun) {
+    return max(mu_sun, 0.06);
+}
+
 /* Share of the sun's flux that comes to the ground under fog of so much optical depth, by Eddington's approximation. */
 float sun_under_fog(float depth, float mu_sun, float albedo) {
     const float g = fog_mean_cosine;
@@ -197,9 +202,8 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     float beam = shade.x;
     float daylight = shade.x + shade.y;
     vec3 albedo = albedo_below(shade);
-    float sun_height = max(mu_sun, 0.06); /* as low as fog and haze take it for */
+    float sun_height = sun_on_fog(mu_sun);
     vec3 sun = sun_through_air(height_m, mu_sun);
-    vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
     vec3 of_sky = rayleigh + aerosol;
@@ -210,6 +214,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         float above = scaled * haze_scale_m;
         float below = max((1.0 - haze_forward) * haze_extinction_1_m(eye.span.z) * haze_scale_m - above, 0.0);
         float mean = dot(albedo, vec3(1.0 / 3.0));
+        vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
         velum_diffuse diffuse = velum_diffuse_in(above, below, haze_turned_g, sun_height, mean);
         /* Light that comes to the eye goes against the ray: upward rays see what goes down. */
         float others = max(diffuse.mean + haze_turned_g * rise * diffuse.flux, 0.0);
@@ -223,7 +228,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
         fog_light light = fog_light_at(above, below, sun_height, cos_sun, rise, albedo);
-        float first = (1.0 - VELUM_FOG_EVEN) * velum_phase_hg(cos_sun, VELUM_FOG_G) + VELUM_FOG_EVEN * VELUM_INV_4PI;
+        float first = velum_phase_lobes_at(velum_phase_lobes_fog(), cos_sun);
         source += sun * (fog * beam) * (exp(-above / sun_height) * first + light.sun);
         of_sky += fog * light.sky * fog_sky;
         of_cloud += fog * light.sky;

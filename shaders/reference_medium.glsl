@@ -313,7 +313,6 @@ air_matter air_at(float h) {
 velum_phase_lobes medium_phase(int medium) {
     float g = medium == medium_aerosol ? VELUM_AEROSOL_G
               : medium == medium_haze  ? haze_g
-              : medium == medium_fog   ? VELUM_FOG_G
               : medium == VELUM_SLOT_UNIFORM   ? eye.slots[VELUM_SLOT_UNIFORM].optics.y
               : medium == VELUM_SLOT_UNIFORM_2 ? eye.slots[VELUM_SLOT_UNIFORM_2].optics.y
                                                : 0.0;
@@ -323,8 +322,10 @@ velum_phase_lobes medium_phase(int medium) {
     p.g_first = droplets ? cloud.g_first : p.g_first;
     p.g_second = droplets ? cloud.g_second : 0.0;
     p.alpha_second = droplets ? cloud.alpha_second : medium == medium_rayleigh ? 1.0 : 0.0;
-    float second = medium == medium_rayleigh ? 1.0 : medium == medium_fog ? VELUM_FOG_EVEN : 0.0;
-    p.weight_second = droplets ? cloud.weight_second : second;
+    p.weight_second = droplets ? cloud.weight_second : medium == medium_rayleigh ? 1.0 : 0.0;
+    if (medium == medium_fog) {
+        p = velum_phase_lobes_fog();
+    }
     return p;
 }
 

@@ -34,7 +34,7 @@ vec3 ambient(int index) {
     vec4 low = shade_at(0.0);
     vec4 here = shade_at(height_m);
     vec3 flux = 1.1 / PI * eye.sun_lx.rgb * max(mu_sun, 0.0);
-    float under_fog = sun_under_fog(fog_over(eye.span.z), max(mu_sun, 0.06), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
+    float under_fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
     vec3 from_ground = flux * sun_through_air(0.0, mu_sun) * (low.x + low.y) * under_fog * eye.ground.rgb;
     vec3 from_above = flux * sun_through_air(height_m, mu_sun) * here.y;
     vec3 from_cloud = flux * sun_through_air(0.5 * height_m, mu_sun) * (here.x + here.y) * here.z;

@@ -173,7 +173,7 @@ static void lent_devices_are_checked(void **state) {
     static const uint8_t garbage[256] = {32, 0, 0, 0, 1, 0, 0, 0, 0xff, 0xff};
     f.lend.pipeline_cache = garbage;
     /* About the header's 32 bytes (VkPipelineCacheHeaderVersionOne), which the first four name as its length. */
-    static const uint64_t sizes[] = {31, 33, sizeof garbage};
+    static const uint64_t sizes[] = {0, 31, 32, 33, sizeof garbage};
     for (size_t i = 0; i < COUNT(sizes); i++) {
         f.lend.pipeline_cache_size = sizes[i];
         misuse_expect_ok(&m, "a foreign cache");
@@ -200,7 +200,7 @@ static void the_pipeline_cache_comes_out_and_goes_in(void **state) {
     assert_true(written > 0 && written <= size);
     f.lend.pipeline_cache = blob;
     misuse m = {.host = &host, .call_name = "create_engine", .call = call_create, .context = &f};
-    const uint64_t parts[] = {written, written / 2}; /* whole, then cut short */
+    const uint64_t parts[] = {written, written / 2, 1}; /* whole, then cut short */
     for (size_t i = 0; i < COUNT(parts); i++) {
         f.lend.pipeline_cache_size = parts[i];
         misuse_expect_ok(&m, "a cache");

@@ -64,14 +64,22 @@ void fixture_finish(fixture *f) {
     assert_int_equal(f->validation, 0);
 }
 
+velum_cell fixture_cell(const velum_layer *layers, uint32_t count) {
+    return (velum_cell){.struct_size = sizeof(velum_cell),
+                        .flags = VELUM_CELL_HAS_LAYERS,
+                        .id = 1,
+                        .kind = VELUM_CELL_GLOBAL,
+                        .layers = layers,
+                        .layer_count = count};
+}
+
 void fixture_commit(fixture *f, const velum_layer *layers, uint32_t count) {
-    const velum_cell cell = {.struct_size = sizeof cell,
-                             .flags = VELUM_CELL_HAS_LAYERS,
-                             .id = 1,
-                             .kind = VELUM_CELL_GLOBAL,
-                             .layers = layers,
-                             .layer_count = count};
-    const velum_state_desc state = {.struct_size = sizeof state, .cells = &cell, .cell_count = 1};
+    const velum_cell cell = fixture_cell(layers, count);
+    fixture_commit_cell(f, &cell);
+}
+
+void fixture_commit_cell(fixture *f, const velum_cell *cell) {
+    const velum_state_desc state = {.struct_size = sizeof state, .cells = cell, .cell_count = 1};
     uint64_t before = f->state;
     assert_int_equal(f->world_api->commit(f->world, &state, &f->state), VELUM_OK);
     if (before) {

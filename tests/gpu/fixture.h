@@ -34,8 +34,11 @@ void fixture_init(fixture *f, bool validate);
 velum_engine *fixture_engine(fixture *f, bool validate);
 void fixture_finish(fixture *f);
 
+/* These layers all over the planet. */
+velum_cell fixture_cell(const velum_layer *layers, uint32_t count);
 /* Forgets the one before. */
 void fixture_commit(fixture *f, const velum_layer *layers, uint32_t count);
+void fixture_commit_cell(fixture *f, const velum_cell *cell);
 /* One uniform layer of that optical depth between 1000 and 2000 m. */
 velum_layer fixture_slab(float tau);
 velum_layer fixture_cumulus(void);

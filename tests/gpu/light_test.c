@@ -231,20 +231,11 @@ static void air_is_as_bright_as_its_reference(void **state) {
     fixture f;
     fixture_init(&f, false);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const velum_cell cell = {.struct_size = sizeof cell,
-                                 .flags = VELUM_CELL_HAS_VISIBILITY | VELUM_CELL_HAS_LAYERS,
-                                 .id = 1,
-                                 .kind = VELUM_CELL_GLOBAL,
-                                 .layers = &sheet,
-                                 .layer_count = cases[i].layers,
-                                 .visibility_m = cases[i].visibility_m,
-                                 .fog_top_m = 150.0f};
-        const velum_state_desc weather = {.struct_size = sizeof weather, .cells = &cell, .cell_count = 1};
-        const uint64_t before = f.state;
-        assert_int_equal(f.world_api->commit(f.world, &weather, &f.state), VELUM_OK);
-        if (before) {
-            f.world_api->retire(f.world, before);
-        }
+        velum_cell cell = fixture_cell(&sheet, cases[i].layers);
+        cell.flags |= VELUM_CELL_HAS_VISIBILITY;
+        cell.visibility_m = cases[i].visibility_m;
+        cell.fog_top_m = 150.0f;
+        fixture_commit_cell(&f, &cell);
         scene s = {.height_m = 60.0,
                    .pitch_deg = cases[i].pitch_deg,
                    .sun_deg = cases[i].sun_deg,
