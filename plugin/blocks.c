@@ -207,28 +207,51 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     return true;
 }
 
-void blocks_wind(const engine *e, const double position_ecef_m[3], float wind_m_s[3]) {
+/* Beyond a layer its wind counts the less, the farther off: over such a height. */
+#define WIND_FADES_M 200.0f
+
+static float height_from(const velum_slot_fields *f, float height_m) {
+    return fmaxf(fmaxf(f->base_m - height_m, height_m - f->top_m), 0.0f);
+}
+
+static void wind_at(const core_column *column, float height_m, float wind_m_s[3]) {
+    float sum[4] = {0};
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        const velum_slot_fields *f = &column->slot[slot];
+        if (column->mask & (1u << slot)) {
+            const float weight = f->coverage / (1.0f + powf(height_from(f, height_m) / WIND_FADES_M, 4.0f));
+            const float of_slot[4] = {f->wind_x_m_s, f->wind_y_m_s, f->wind_z_m_s, 1.0f};
+            for (int i = 0; i < 4; i++) {
+                sum[i] += weight * of_slot[i];
+            }
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        wind_m_s[i] = sum[3] > 0.0f ? sum[i] / sum[3] : 0.0f;
+    }
+}
+
+void blocks_wind(const engine *e, const double position_ecef_m[3], cloud_wind *out) {
     core_geodetic place;
     core_column column;
-    float weight = 0.0f;
-    memset(wind_m_s, 0, 3 * sizeof *wind_m_s);
+    memset(out, 0, sizeof *out);
     if (!e->weather.state[0] || !core_geodetic_from_ecef(position_ecef_m, &place)) {
         return;
     }
     double normal[3];
     core_normal(place.lat_deg, place.lon_deg, normal);
     core_column_layers(e->weather.state[0], normal, 1000.0, &column);
+    for (int k = 0; k < VELUM_SHADE_LEVELS; k++) {
+        wind_at(&column, velum_shade_height_m(k), out->m_s[k]);
+    }
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const velum_slot_fields *f = &column.slot[slot];
         if (column.mask & (1u << slot)) {
-            wind_m_s[0] += f->coverage * f->wind_x_m_s;
-            wind_m_s[1] += f->coverage * f->wind_y_m_s;
-            wind_m_s[2] += f->coverage * f->wind_z_m_s;
-            weight += f->coverage;
+            const float speed_m_s =
+                sqrtf(f->wind_x_m_s * f->wind_x_m_s + f->wind_y_m_s * f->wind_y_m_s + f->wind_z_m_s * f->wind_z_m_s);
+            const float away_m = height_from(f, (float)place.height_m);
+            out->turns_rad_s = fmaxf(out->turns_rad_s, away_m > 0.0f ? speed_m_s / away_m : INFINITY);
         }
-    }
-    for (int i = 0; i < 3; i++) {
-        wind_m_s[i] = weight > 0.0f ? wind_m_s[i] / weight : 0.0f;
     }
 }
 

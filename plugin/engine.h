@@ -174,6 +174,12 @@ typedef struct sky_key {
     float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], shades[VELUM_SHADE_LEVELS][4], haze[4];
 } sky_key;
 
+/* Of the clouds about an eye. */
+typedef struct cloud_wind {
+    float m_s[VELUM_SHADE_LEVELS][3]; /* at the levels of shared/shade.h; ECEF */
+    float turns_rad_s; /* how fast they go by at most, seen from the eye; INFINITY: it is at the height of some */
+} cloud_wind;
+
 struct eye {
     engine *e;
     velum_eye *handle;
@@ -193,7 +199,7 @@ struct eye {
     velum_eye_block block;
     VkDescriptorSet set;
     bool incomplete, degraded;
-    float wind_m_s[3]; /* of the cloud about the eye */
+    cloud_wind wind;
     velum_plan plan, imposed;
     bool is_imposed;
     float budget_ms, budget_error; /* 0: none */
@@ -258,6 +264,7 @@ struct view {
     uint32_t still;   /* frames in a row that showed the same */
     uint32_t rest;    /* so many are a rest: more than the host repeats a pose while it moves */
     bool has_moved;   /* some frame since then did not */
+    uint32_t posed;   /* frames in a row with the camera as it is */
     bool has_camera;
     camera before;
     velum_view_stats stats;

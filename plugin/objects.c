@@ -94,7 +94,7 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out) 
     y->has_study = has_study;
     y->quality = d.quality == VELUM_QUALITY_DEFAULT ? VELUM_QUALITY_MEDIUM : d.quality;
     budget_init(y, &d);
-    if (!gpu_image_init_storage(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_W, VELUM_SKY_H)) {
+    if (!gpu_image_init_storage(&e->g, &y->sky, VK_FORMAT_R16G16B16A16_SFLOAT, VELUM_SKY_COLUMNS, VELUM_SKY_H)) {
         free_eye(y);
         return gpu_result(&e->g);
     }

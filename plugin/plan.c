@@ -11,14 +11,15 @@ typedef struct preset {
     const char *name;
     uint32_t march_steps, light_steps, octaves;
     float step_m, step_growth;
+    uint32_t standing_ray_rate; /* so much rougher as the preset is anyway */
 } preset;
 
-static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f},
-                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f},
-                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f},
-                                 [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f},
+static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f, 64},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f, 32},
+                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f, 0},
+                                 [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f, 0},
                                  /* Its octaves are the greatest order of scattering; 0: all. */
-                                 [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f}};
+                                 [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f, 0}};
 
 const char *plan_preset_name(int32_t quality) {
     return presets[quality].name;
@@ -74,10 +75,15 @@ void plan_make(const engine *e, eye *y) {
                            .blending = blends,
                            .step_m = p.step_m,
                            .step_growth = p.step_growth,
-                           .distance_m = distance_m};
+                           .distance_m = distance_m,
+                           /* What it saves would be spent by a budget, and be missing as soon as the eye moves. */
+                           .standing_ray_rate = y->budget_ms > 0.0f ? 0 : p.standing_ray_rate};
     plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels",
                 p.name, setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
                 p.light_steps, setting.ray_rate);
+    if (y->plan.standing_ray_rate != 0) {
+        plan_reason(y, ", for %u in views that stand", y->plan.standing_ray_rate);
+    }
     budget_reasons(e, y);
     if (y->tiles.mask == 0) {
         plan_reason(y, "\nno cloud within sight: no steps");
@@ -160,6 +166,11 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
     if (p.ray_rate == 0 || p.ray_rate > RAY_RATE_MOST || (p.ray_rate & (p.ray_rate - 1)) != 0) {
         check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4, 8, 16, 32 or 64",
                    p.ray_rate);
+        return check.result;
+    }
+    if (p.standing_ray_rate > RAY_RATE_MOST || (p.standing_ray_rate & (p.standing_ray_rate - 1)) != 0) {
+        check_fail(&check, VELUM_ERROR_ARGUMENT,
+                   "plan.standing_ray_rate: found %u, expected 0, 1, 2, 4, 8, 16, 32 or 64", p.standing_ray_rate);
         return check.result;
     }
     if (!check_study(&check, y, &p)) {

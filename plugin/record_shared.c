@@ -132,7 +132,7 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
         compute_to_compute(e, commands);
         e->air_ready = true;
     }
-    record_dispatch(e, commands, PASS_SKY, VELUM_SKY_W, VELUM_SKY_H);
+    record_dispatch(e, commands, PASS_SKY, VELUM_SKY_COLUMNS, VELUM_SKY_H);
     y->sky_key = key;
     y->sky_ready = true;
     return true;
@@ -182,7 +182,7 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
         y->last_serial = e->newest_serial;
         gpu_image_make_general(&e->g, commands, &y->sky);
         plan_make(e, y);
-        blocks_wind(e, y->position_ecef_m, y->wind_m_s);
+        blocks_wind(e, y->position_ecef_m, &y->wind);
         if (!blocks_fill_eye(e, &y->tiles, y->position_ecef_m, &y->plan, &y->block)) {
             check_fail(&check, VELUM_ERROR_ARGUMENT, "eyes[%u].position_ecef_m: no place on the earth", i);
             return check.result;

@@ -18,6 +18,9 @@
 /* Simulations slower than the display repeat each pose for a few frames: fewer than these. */
 #define REPEATS_MOST 16
 #define EYE_REACH_M 10000.0
+/* Of the plan's rays in every pixel before a view that stands has fewer; pixels a frame that cloud may drift there. */
+#define STANDING_ROUNDS 3
+#define STANDING_PIXELS 0.5
 
 /* Van der Corput's sequence in base 2 (1935). */
 static float radical_inverse(uint32_t i) {
@@ -179,19 +182,30 @@ static bool starts_anew(const engine *e, const view *v, const velum_view_frame *
            weather_jumped(e, before, now);
 }
 
-static bool stands_still(const camera *a, const camera *b) {
+static bool same_pose(const camera *a, const camera *b) {
     return memcmp(a->position, b->position, sizeof a->position) == 0 &&
            memcmp(a->right, b->right, sizeof a->right) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
-           memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->tan, b->tan, sizeof a->tan) == 0 &&
-           memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
+           memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->tan, b->tan, sizeof a->tan) == 0;
+}
+
+static bool stands_still(const camera *a, const camera *b) {
+    return same_pose(a, b) && memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
+}
+
+/* Whether history will serve a view for longer than the plan has it: see velum_plan.standing_ray_rate. */
+static bool stands(const eye *y, const camera *before, const camera *now, const velum_plan *plan, uint32_t posed) {
+    const double dt = fabs(now->time_s - before->time_s);
+    const double turns_px = (double)y->wind.turns_rad_s * dt * now->width / (double)(now->tan[1] - now->tan[0]);
+    return plan->standing_ray_rate > plan->ray_rate && posed >= STANDING_ROUNDS * plan->ray_rate && !plan->blending &&
+           !(now->flags & VELUM_VIEW_ORTHOGRAPHIC) && y->block.table[3] == 0 && turns_px < STANDING_PIXELS;
 }
 
 /* What this frame makes of a view's history. */
 typedef struct history_turn {
     bool anew, settles;
-    bool other_plan;                              /* than that of the frame before */
-    uint32_t counter, still, rest, rounds, begun; /* as those of the view */
+    bool other_plan;                                     /* than that of the frame before */
+    uint32_t counter, still, rest, rounds, begun, posed; /* as those of the view */
     bool has_moved;
 } history_turn;
 
@@ -204,24 +218,29 @@ static bool same_picture(const velum_plan *a, const velum_plan *b) {
            a->exit_transmittance == b->exit_transmittance;
 }
 
+/* `plan` becomes the view's own. */
 static history_turn turn_of(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
-                            const velum_plan *plan) {
+                            velum_plan *plan) {
     if (starts_anew(e, v, f, now)) {
         return (history_turn){.anew = true, .rest = 1};
     }
     bool is_still = stands_still(now, &v->before);
     history_turn t = {.counter = v->counter,
-                      .other_plan = !same_picture(&v->plan, plan),
                       .rounds = v->rounds,
                       .begun = v->begun,
                       .still = is_still ? v->still + 1 : 0,
                       .rest = v->rest,
+                      .posed = same_pose(now, &v->before) ? v->posed + 1 : 0,
                       .has_moved = v->has_moved || !is_still};
     if (!is_still && v->still < REPEATS_MOST && v->still >= t.rest) {
         t.rest = v->still + 1;
     } else if (t.still >= REPEATS_MOST) {
         t.rest = 1;
     }
+    if (t.still < t.rest && stands(v->eye, &v->before, now, plan, t.posed)) {
+        plan->ray_rate = plan->standing_ray_rate;
+    }
+    t.other_plan = !same_picture(&v->plan, plan);
     /* A progressive mean that moved pictures have gone into would keep them. */
     t.settles = t.has_moved && t.still >= v->rest;
     if (t.settles) {
@@ -291,23 +310,24 @@ static void fill_study(const velum_plan *plan, velum_view_block *out) {
 }
 
 static void fill_view(const view *v, const velum_view_frame *f, const velum_vulkan_images *images, const camera *now,
-                      const history_turn *history, velum_view_block *out) {
+                      const history_turn *history, const velum_plan *plan, velum_view_block *out) {
     const bool anew = history->anew;
     const eye *y = v->eye;
     const engine *e = y->e;
-    const velum_plan *plan = &y->plan;
     memset(out, 0, sizeof *out);
     const camera *before = anew ? now : &v->before;
     fill_axes(now, y->position_ecef_m, out->right, out->up, out->forward, out->offset);
     fill_axes(before, y->position_ecef_m, out->before_right, out->before_up, out->before_forward, out->before_offset);
     float dt = (float)(now->time_s - before->time_s);
-    for (int i = 0; i < 3; i++) {
-        out->drifted[i] = y->wind_m_s[i] * dt;
+    for (int k = 0; k < VELUM_SHADE_LEVELS; k++) {
+        for (int i = 0; i < 3; i++) {
+            out->drifts[k][i] = y->wind.m_s[k][i] * dt;
+        }
     }
-    out->drifted[3] = history->other_plan ? OTHER_PLAN_SAMPLES : STANDING_SAMPLES;
     out->scale[0] = now->scale;
     memcpy(&out->scale[1], now->jitter, sizeof now->jitter);
     memcpy(out->before_jitter, before->jitter, sizeof before->jitter);
+    out->before_jitter[2] = history->other_plan ? OTHER_PLAN_SAMPLES : STANDING_SAMPLES;
     out->scale[3] = anew || history->still > 0 ? 0.0f : MOVING_SAMPLES;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;
@@ -538,17 +558,18 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     if (y->quality == VELUM_QUALITY_REFERENCE) {
         camera here = camera_of(e, &f);
         velum_view_block own;
-        fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &own);
+        fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &y->plan, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    const block_size side = block_of(y->plan.ray_rate);
+    camera now = camera_of(e, &f);
+    velum_plan plan = y->plan;
+    history_turn history = turn_of(e, v, &f, &now, &plan);
+    const block_size side = block_of(plan.ray_rate);
     if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
     }
-    camera now = camera_of(e, &f);
-    history_turn history = turn_of(e, v, &f, &now, &y->plan);
     velum_view_block block;
-    fill_view(v, &f, &im, &now, &history, &block);
+    fill_view(v, &f, &im, &now, &history, &plan, &block);
     uint32_t counter = slot->record_count;
     if (!bind_view(v, commands, &im, &block, counter)) {
         return gpu_result(&e->g);
@@ -576,9 +597,10 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     v->still = history.still;
     v->rest = history.rest;
     v->has_moved = history.has_moved;
+    v->posed = history.posed;
     v->before = now;
     v->has_camera = true;
-    v->plan = y->plan;
+    v->plan = plan;
     v->frame = e->frames;
     v->last_serial = e->newest_serial;
     return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;

@@ -115,6 +115,39 @@ vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     return eye.ground.w == 0.0 ? vec3(1.0) : clean * exp(-dust_between(h0, mu0, h1, mu1, distance_m));
 }
 
+/* Height and cosine of the zenith angle so far along a ray that starts at height h0 with cosine mu0, on a sphere: for
+ * air, which does not mind the metres by which the ellipsoid differs. */
+vec2 along_ray(float h0, float mu0, float distance_m) {
+    float r0 = VELUM_WGS84_A_M + h0;
+    float step = distance_m * (2.0 * r0 * mu0 + distance_m);
+    float r1 = sqrt(r0 * r0 + step);
+    return vec2(h0 + step / (r0 + r1), (r0 * mu0 + distance_m) / r1);
+}
+
+/* Distance along such a ray to a height: where it comes down to it, or where it leaves upward; below 0: never. */
+float along_to(float h0, float mu0, float height_m, bool upward) {
+    float r0 = VELUM_WGS84_A_M + h0;
+    float b = r0 * mu0;
+    float over = (h0 - height_m) * (r0 + VELUM_WGS84_A_M + height_m);
+    float inside = b * b - over;
+    return inside >= 0.0 ? -b + (upward ? 1.0 : -1.0) * sqrt(inside) : -1.0;
+}
+
+/* Where a ray comes into the air: height and cosine there, and how far along; below 0: it passes by. */
+vec2 into_air(vec3 o, vec3 d, out float enter_m) {
+    velum_place from = place_of(o);
+    vec2 near = vec2(from.height_m, dot(vec3(from.nx, from.ny, from.nz), d));
+    enter_m = near.x > VELUM_AIR_TOP_M ? along_to(near.x, near.y, VELUM_AIR_TOP_M, false) : 0.0;
+    return enter_m > 0.0 ? along_ray(near.x, near.y, enter_m) : near;
+}
+
+/* Of all the way from there: to the ground, so far along the ray, or (below 0) to space. */
+vec3 air_along(vec2 near, float enter_m, float ground_m) {
+    float way_m = ground_m >= 0.0 ? ground_m - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+    vec2 far = along_ray(near.x, near.y, max(way_m, 0.0));
+    return enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way_m);
+}
+
 float phase_rayleigh(float c) {
     return 3.0 / (16.0 * PI) * (1.0 + c * c);
 }
@@ -326,8 +359,8 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
     return result;
 }
 
-/* The sky table: azimuth from the sun (0..pi, symmetric) and elevation, finer towards the horizon; its last row holds
- * ambient light (see sky.comp). */
+/* The sky table: azimuth from the sun (0..pi, symmetric) and elevation, finer towards the horizon; its last columns hold
+ * transmittance, its last row ambient light (see sky.comp). */
 vec2 sky_place(vec3 d) {
     vec3 up = eye.up.xyz;
     float mu = clamp(dot(d, up), -1.0, 1.0);
@@ -347,18 +380,24 @@ vec2 sky_place(vec3 d) {
     return vec2(u, v);
 }
 
+struct sky_light {
+    vec3 luminance;
+    vec3 transmittance; /* of all the way: to the ground, or to space */
+};
+
 /* Above and below the horizon are different worlds: the table's halves are not filtered into each other. */
-vec3 sky_luminance(vec3 d, bool to_ground) {
-    if (eye.ground.w == 0.0) {
-        return vec3(0.0);
-    }
+sky_light sky_light_at(vec3 d, bool to_ground) {
     vec2 place = sky_place(d);
     vec2 size = vec2(VELUM_SKY_W, VELUM_SKY_H - 1);
     float row = place.y * (size.y - 1.0);
     float middle = 0.5 * (size.y - 1.0);
-    row = to_ground ? min(row, floor(middle)) : max(row, floor(middle) + 1.0);
-    vec2 texel = vec2(place.x * (size.x - 1.0) + 0.5, row + 0.5) / vec2(VELUM_SKY_W, VELUM_SKY_H);
-    return textureLod(sky_table, texel, 0.0).rgb * VELUM_LUMINANCE_UNIT;
+    row = (to_ground ? min(row, floor(middle)) : max(row, floor(middle) + 1.0)) + 0.5;
+    const vec2 all = vec2(VELUM_SKY_COLUMNS, VELUM_SKY_H);
+    sky_light sky;
+    sky.luminance = textureLod(sky_table, vec2(place.x * (size.x - 1.0) + 0.5, row) / all, 0.0).rgb;
+    sky.luminance *= eye.ground.w == 0.0 ? 0.0 : VELUM_LUMINANCE_UNIT;
+    sky.transmittance = textureLod(sky_table, vec2(VELUM_SKY_W + 1.0, row) / all, 0.0).rgb;
+    return sky;
 }
 
 /* Light of cloud so far away, and of the air before it: it dims, and shines in the share that the cloud covers. */
@@ -371,7 +410,7 @@ vec3 air_before_cloud(vec3 o, vec3 d, vec3 light, float through, float distance_
  * `even`: of an even half whose flux onto a level face is the same. */
 vec3 half_world(float level, bool below, bool even) {
     float x = level + float((below ? VELUM_SHADE_LEVELS : 0) + (even ? 2 * VELUM_SHADE_LEVELS : 0)) + 0.5;
-    vec2 place = vec2(x / float(VELUM_SKY_W), (float(VELUM_SKY_H) - 0.5) / float(VELUM_SKY_H));
+    vec2 place = vec2(x / float(VELUM_SKY_COLUMNS), (float(VELUM_SKY_H) - 0.5) / float(VELUM_SKY_H));
     return textureLod(sky_table, place, 0.0).rgb * VELUM_LUMINANCE_UNIT;
 }
 

@@ -71,7 +71,6 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(before_up);
     VELUM_VEC4(before_forward);
     VELUM_VEC4(before_offset);
-    VELUM_VEC4(drifted); /* how far the cloud over the eye has drifted since, m; w: samples that history counts for */
     VELUM_VEC4(
         scale); /* luminance scale; jitter x, y in pixels; samples that history counts for while moving, 0: still */
     VELUM_VEC4(depth);       /* convention, near m, far m; greatest number that the images can hold */
@@ -83,8 +82,10 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; 0 */
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
-    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0, 0 */
+    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; samples that history counts for; 0 */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
+    /* How far cloud at the levels of shade.h over the eye has drifted since, m. */
+    VELUM_VEC4S(drifts, VELUM_SHADE_LEVELS);
 };
 
 /* As VELUM_PLAN_*, VELUM_INTEGRATOR_*, VELUM_SCATTERING_* and VELUM_SUN_DEPTH_* of engine.h. */
@@ -116,7 +117,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_DETAIL 5  /* sampler3D, R16 32^3 */
 #define VELUM_BIND_AIR 6     /* sampler2D: transmittance to space, VELUM_AIR_W x VELUM_AIR_H, RGBA16F */
 #define VELUM_BIND_AIR_OUT 7 /* the same as storage image */
-#define VELUM_BIND_SKY 8     /* sampler2D: sky of the eye, VELUM_SKY_W x VELUM_SKY_H, RGBA16F */
+#define VELUM_BIND_SKY 8     /* sampler2D: sky of the eye, VELUM_SKY_COLUMNS x VELUM_SKY_H, RGBA16F */
 #define VELUM_BIND_SKY_OUT 9
 #define VELUM_BIND_GLOW 10 /* sampler2D: all orders of air, VELUM_GLOW_SIDE^2, RGBA16F */
 #define VELUM_BIND_GLOW_OUT 11
@@ -153,6 +154,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_AIR_W 256
 #define VELUM_AIR_H 64
 #define VELUM_SKY_W 192
+#define VELUM_SKY_COLUMNS (VELUM_SKY_W + 2)
 #define VELUM_SKY_H 108
 #define VELUM_GLOW_SIDE 32
 

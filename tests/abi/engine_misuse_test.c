@@ -363,6 +363,11 @@ static void answers_are_checked(void **state) {
         misuse_expect_ok(&m, "ray_rate");
     }
     f.plan = plan;
+    for (size_t i = 1; i < COUNT(rates); i++) {
+        f.plan.standing_ray_rate = rates[i];
+        misuse_expect(&m, VELUM_ERROR_ARGUMENT, "standing_ray_rate");
+    }
+    f.plan = plan;
     f.plan.march_steps = UINT32_MAX;
     misuse_expect(&m, VELUM_ERROR_ARGUMENT, "march_steps");
     f.plan = plan;

@@ -6,6 +6,7 @@
 /* Each pixel its own ray in every frame, and steps enough: the error is that of what the row changes. */
 static void alone(velum_plan *plan) {
     plan->ray_rate = 1;
+    plan->standing_ray_rate = 0;
     plan->march_steps = 4096;
 }
 
@@ -37,6 +38,7 @@ static void set_light_steps(velum_plan *plan, double value) {
 
 static void set_ray_rate(velum_plan *plan, double value) {
     plan->ray_rate = (uint32_t)value;
+    plan->standing_ray_rate = 0;
 }
 
 /* Of steps in cloud, metres; those that look for it are as long. Every sample finds its own light, so that the error
@@ -141,6 +143,7 @@ static void set_ladder(velum_plan *plan, double value) {
     plan->exit_transmittance = rung < 1 ? 1e-6f : 0.075f;
     plan->thin_density = rung < 2 ? 0.0f : 0.01f;
     plan->ray_rate = rung < 5 ? 1 : rung < 6 ? 4 : 16;
+    plan->standing_ray_rate = 0;
 }
 
 /* Their number, and they. */

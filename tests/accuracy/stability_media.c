@@ -47,6 +47,7 @@ static void set_step(velum_plan *plan, double value) {
     plan->step_growth = 0.0f;
     plan->march_steps = 4096;
     plan->ray_rate = 1;
+    plan->standing_ray_rate = 0;
 }
 
 typedef struct step_pose {

@@ -158,7 +158,11 @@ static bool find_way_out(playback *p, motion *m, const stage_camera *c) {
 }
 
 static const motion motions[] = {
-    {.name = "standing", .scene = "broken_below", .wind_east_m_s = 12.0f, .move = stand, .compared = {40, 52}},
+    {.name = "standing",
+     .scene = "broken_below",
+     .wind_east_m_s = 12.0f,
+     .move = stand,
+     .compared = {40, 52, 240, 360}},
     {.name = "banking", .scene = "broken_below", .wind_east_m_s = 12.0f, .move = bank, .compared = {30, 45}},
     {.name = "flying", .scene = "broken_between", .move = fly, .compared = {30, 60}},
     {.name = "into_cloud", .scene = "broken_between", .move = fly, .find_start = find_way_in, .compared = {33, 38, 46}},

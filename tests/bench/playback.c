@@ -42,6 +42,7 @@ static bool impose_rate(playback *p, playback_eye *e, uint32_t ray_rate) {
     velum_result result = api->get_plan(e->v.eye, &plan, &reasons);
     if (result >= 0) {
         plan.ray_rate = ray_rate;
+        plan.standing_ray_rate = 0;
         result = api->set_plan(e->v.eye, &plan);
     }
     if (result < 0) {

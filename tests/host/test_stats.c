@@ -40,7 +40,8 @@ static void every_field_of_a_plan_is_told(void **state) {
                              .sun_depth = VELUM_SUN_DEPTH_MAP,
                              .long_step = 8.0f,
                              .thin_density = 0.5f,
-                             .exit_transmittance = 0.125f};
+                             .exit_transmittance = 0.125f,
+                             .standing_ray_rate = 32};
     json_t *object = stats_plan(&plan);
     assert_int_equal(json_object_size(object), sizeof plan / 4 - 1); /* all but struct_size */
     json_t *flags = json_object_get(object, "flags");
@@ -62,6 +63,7 @@ static void every_field_of_a_plan_is_told(void **state) {
     assert_true(number_of(object, "long_step") == 8.0);
     assert_true(number_of(object, "thin_density") == 0.5);
     assert_true(number_of(object, "exit_transmittance") == 0.125);
+    assert_true(number_of(object, "standing_ray_rate") == 32.0);
     json_decref(object);
 }
 

@@ -6,6 +6,6 @@
     F(up)                                                                                                              \
     F(forward)                                                                                                         \
     F(offset)                                                                                                          \
-    F(before_right) F(before_up) F(before_forward) F(before_offset) F(drifted) F(scale) F(depth) U(size) U(march_size) \
+    F(before_right) F(before_up) F(before_forward) F(before_offset) F(scale) F(depth) U(size) U(march_size) \
         U(frame) F(march) U(steps) U(turn) F(room) U(study) F(before_jitter) F(study_limits)
 #define MEMBERS_SHADOW_LEVEL(F, U) F(axis_u) F(axis_v) F(origin) U(window)

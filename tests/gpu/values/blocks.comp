@@ -42,6 +42,9 @@ void main() {
         }
 #elif defined BLOCK_VIEW
         MEMBERS_VIEW(COPY_F, COPY_U)
+        for (int level = 0; level < VELUM_SHADE_LEVELS; ++level) {
+            copy(floatBitsToUint(block.drifts[level]));
+        }
 #else
         MEMBERS_SHADOW_LEVEL(COPY_F, COPY_U)
 #endif

@@ -30,7 +30,7 @@ typedef struct member {
 #define SHADOW(name) {#name, offsetof(velum_shadow_level_block, name)},
 #define SLOT(name) {#name, offsetof(velum_slot_block, name)},
 static const member eye_members[] = {MEMBERS_EYE(EYE, EYE) EYE(shades) EYE(slots) EYE(fringes)};
-static const member view_members[] = {MEMBERS_VIEW(VIEW, VIEW)};
+static const member view_members[] = {MEMBERS_VIEW(VIEW, VIEW) VIEW(drifts)};
 static const member shadow_members[] = {MEMBERS_SHADOW_LEVEL(SHADOW, SHADOW)};
 static const member slot_members[] = {MEMBERS_SLOT(SLOT)};
 
@@ -39,7 +39,8 @@ _Static_assert((COUNT(eye_members) - 3 + VELUM_SHADE_LEVELS + VELUM_FRINGE_PARTS
                        VELUM_SLOT_COUNT * sizeof(velum_slot_block) ==
                    sizeof(velum_eye_block),
                "block_members.h lacks members of velum_eye_block");
-_Static_assert(COUNT(view_members) * 16 == sizeof(velum_view_block), "block_members.h lacks some of velum_view_block");
+_Static_assert((COUNT(view_members) - 1 + VELUM_SHADE_LEVELS) * 16 == sizeof(velum_view_block),
+               "block_members.h lacks some of velum_view_block");
 _Static_assert(COUNT(shadow_members) * 16 == sizeof(velum_shadow_level_block),
                "block_members.h lacks members of velum_shadow_level_block");
 _Static_assert(COUNT(slot_members) * 16 == sizeof(velum_slot_block), "block_members.h lacks some of velum_slot_block");
@@ -77,7 +78,7 @@ static void read_back(const uint32_t *spirv, size_t spirv_bytes, size_t block_by
         size_t vectors = 1;
         if (strcmp(members[n].name, "slots") == 0) {
             vectors = VELUM_SLOT_COUNT * COUNT(slot_members);
-        } else if (strcmp(members[n].name, "shades") == 0) {
+        } else if (strcmp(members[n].name, "shades") == 0 || strcmp(members[n].name, "drifts") == 0) {
             vectors = VELUM_SHADE_LEVELS;
         } else if (strcmp(members[n].name, "fringes") == 0) {
             vectors = VELUM_FRINGE_PARTS;

@@ -136,8 +136,8 @@ typedef struct velum_view_frame {
 } velum_view_frame;
 
 /* Where a shadow map is wanted. It is snapped to texels of the world's own: the same centre gives the same map whatever
- * any camera does, as long as the sun stands. What is drawn goes on: as time does, the finest level is renewed in half a
- * second (in 16 frames, if those take longer), each next one in four times as much. When the sun has turned by 0.1
+ * any camera does, as long as the sun stands. What is drawn goes on: as time does, the finest level is renewed in half
+ * a second (in 16 frames, if those take longer), each next one in four times as much. When the sun has turned by 0.1
  * degrees since, the map turns to it, and is renewed as fast as that makes it stale. A sun that has turned by more than
  * half a degree since, time that goes back or on by more than a minute, and other weather draw the whole map anew. */
 typedef struct velum_shadow_frame {
@@ -242,6 +242,11 @@ typedef struct velum_plan {
     float long_step;          /* steps that look for cloud, over those in it: 1..64; 1: all alike; 0: 1 / 0.18 */
     float thin_density;       /* less than this share of the layer's mean extinction counts as none: 0..1; 0: 0 */
     float exit_transmittance; /* a ray ends where less comes through: 1e-6..0.9; 0: 0.0015 */
+
+    /* Of any eye again: one ray for so many pixels in a view whose pose has held for a while, outside cloud layers,
+     * under cloud that drifts over it by less than half a pixel a frame: history serves it longer. 0, 1, 2, 4, 8, 16,
+     * 32 or 64; where it is not above ray_rate, that holds. A host that imposes a ray_rate may want 0 here. */
+    uint32_t standing_ray_rate;
 } velum_plan;
 
 typedef struct velum_engine_api {
