@@ -231,7 +231,7 @@ static void wind_at(const core_column *column, float height_m, float wind_m_s[3]
     }
 }
 
-void blocks_wind(const engine *e, const double position_ecef_m[3], cloud_wind *out) {
+void blocks_wind(const engine *e, const tiles *t, const double position_ecef_m[3], cloud_wind *out) {
     core_geodetic place;
     core_column column;
     memset(out, 0, sizeof *out);
@@ -244,6 +244,7 @@ void blocks_wind(const engine *e, const double position_ecef_m[3], cloud_wind *o
     for (int k = 0; k < VELUM_SHADE_LEVELS; k++) {
         wind_at(&column, velum_shade_height_m(k), out->m_s[k]);
     }
+    out->turns_rad_s = t->mask & ~column.mask ? INFINITY : 0.0f;
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const velum_slot_fields *f = &column.slot[slot];
         if (column.mask & (1u << slot)) {

@@ -15,7 +15,7 @@ core_uniform_phase blocks_uniform_phase(const engine *e, uint32_t slot);
 bool blocks_mix(const engine *e);
 
 /* By the clouds over the place, weighted by their coverage. */
-void blocks_wind(const engine *e, const double position_ecef_m[3], cloud_wind *out);
+void blocks_wind(const engine *e, const tiles *t, const double position_ecef_m[3], cloud_wind *out);
 
 /* A shadow map's block with positions relative to another origin. */
 void blocks_shift_shadow(const velum_shadow_geometry *geometry, const double origin_ecef_m[3], velum_shadow_block *out);

@@ -177,7 +177,9 @@ typedef struct sky_key {
 /* Of the clouds about an eye. */
 typedef struct cloud_wind {
     float m_s[VELUM_SHADE_LEVELS][3]; /* at the levels of shared/shade.h; ECEF */
-    float turns_rad_s; /* how fast they go by at most, seen from the eye; INFINITY: it is at the height of some */
+    /* How fast they go by at most, seen from the eye. INFINITY: they are at its height, or some are in sight that are
+     * not over it. */
+    float turns_rad_s;
 } cloud_wind;
 
 struct eye {
@@ -264,7 +266,7 @@ struct view {
     uint32_t still;   /* frames in a row that showed the same */
     uint32_t rest;    /* so many are a rest: more than the host repeats a pose while it moves */
     bool has_moved;   /* some frame since then did not */
-    uint32_t posed;   /* frames in a row with the camera as it is */
+    uint32_t stood;   /* frames in a row in which only cloud drifted, slowly */
     bool has_camera;
     camera before;
     velum_view_stats stats;

@@ -182,7 +182,7 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
         y->last_serial = e->newest_serial;
         gpu_image_make_general(&e->g, commands, &y->sky);
         plan_make(e, y);
-        blocks_wind(e, y->position_ecef_m, &y->wind);
+        blocks_wind(e, &y->tiles, y->position_ecef_m, &y->wind);
         if (!blocks_fill_eye(e, &y->tiles, y->position_ecef_m, &y->plan, &y->block)) {
             check_fail(&check, VELUM_ERROR_ARGUMENT, "eyes[%u].position_ecef_m: no place on the earth", i);
             return check.result;

@@ -21,6 +21,11 @@
 /* Of the plan's rays in every pixel before a view that stands has fewer; pixels a frame that cloud may drift there. */
 #define STANDING_ROUNDS 3
 #define STANDING_PIXELS 0.5
+/* The longest such frame, and by how much the sun may turn in it, rad. */
+#define STANDING_FRAME_S 0.1
+#define STANDING_SUN 1e-4
+/* So far from its eye a view has air of its own before it. */
+#define ASIDE_M 50.0
 
 /* Van der Corput's sequence in base 2 (1935). */
 static float radical_inverse(uint32_t i) {
@@ -193,19 +198,39 @@ static bool stands_still(const camera *a, const camera *b) {
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
 }
 
-/* Whether history will serve a view for longer than the plan has it: see velum_plan.standing_ray_rate. */
-static bool stands(const eye *y, const camera *before, const camera *now, const velum_plan *plan, uint32_t posed) {
+static bool is_aside(const eye *y, const camera *now) {
+    double away2 = 0.0;
+    for (int i = 0; i < 3; i++) {
+        away2 += (now->position[i] - y->position_ecef_m[i]) * (now->position[i] - y->position_ecef_m[i]);
+    }
+    return (now->flags & VELUM_VIEW_ORTHOGRAPHIC) || away2 > ASIDE_M * ASIDE_M;
+}
+
+/* Whether a view goes on as it was, but for cloud that drifts slowly over it: see velum_plan.standing_ray_rate. */
+static bool stands(const view *v, const camera *now) {
+    const eye *y = v->eye;
+    const camera *before = &v->before;
     const double dt = fabs(now->time_s - before->time_s);
-    const double turns_px = (double)y->wind.turns_rad_s * dt * now->width / (double)(now->tan[1] - now->tan[0]);
-    return plan->standing_ray_rate > plan->ray_rate && posed >= STANDING_ROUNDS * plan->ray_rate && !plan->blending &&
-           !(now->flags & VELUM_VIEW_ORTHOGRAPHIC) && y->block.table[3] == 0 && turns_px < STANDING_PIXELS;
+    const double wide = fmax(fabs((double)now->tan[0]), fabs((double)now->tan[1]));
+    const double high = fmax(fabs((double)now->tan[2]), fabs((double)now->tan[3]));
+    const double pixels =
+        fmax(now->width / (double)(now->tan[1] - now->tan[0]), now->height / (double)(now->tan[3] - now->tan[2])) *
+        (1.0 + wide * wide + high * high);
+    double turned2 = 0.0;
+    for (int i = 0; i < 3; i++) {
+        turned2 += (now->sun[i] - before->sun[i]) * (now->sun[i] - before->sun[i]);
+    }
+    return same_pose(now, before) && memcmp(now->state, before->state, sizeof now->state) == 0 &&
+           now->state[0] == now->state[1] && !y->incomplete && !is_aside(y, now) && y->block.table[3] == 0 &&
+           dt <= STANDING_FRAME_S && turned2 <= STANDING_SUN * STANDING_SUN &&
+           (double)y->wind.turns_rad_s * dt * pixels < STANDING_PIXELS;
 }
 
 /* What this frame makes of a view's history. */
 typedef struct history_turn {
     bool anew, settles;
     bool other_plan;                                     /* than that of the frame before */
-    uint32_t counter, still, rest, rounds, begun, posed; /* as those of the view */
+    uint32_t counter, still, rest, rounds, begun, stood; /* as those of the view */
     bool has_moved;
 } history_turn;
 
@@ -230,14 +255,15 @@ static history_turn turn_of(const engine *e, const view *v, const velum_view_fra
                       .begun = v->begun,
                       .still = is_still ? v->still + 1 : 0,
                       .rest = v->rest,
-                      .posed = same_pose(now, &v->before) ? v->posed + 1 : 0,
+                      .stood = stands(v, now) ? v->stood + 1 : 0,
                       .has_moved = v->has_moved || !is_still};
     if (!is_still && v->still < REPEATS_MOST && v->still >= t.rest) {
         t.rest = v->still + 1;
     } else if (t.still >= REPEATS_MOST) {
         t.rest = 1;
     }
-    if (t.still < t.rest && stands(v->eye, &v->before, now, plan, t.posed)) {
+    const bool has_rays = t.stood >= STANDING_ROUNDS * plan->ray_rate;
+    if (t.still < t.rest && has_rays && plan->standing_ray_rate > plan->ray_rate) {
         plan->ray_rate = plan->standing_ray_rate;
     }
     t.other_plan = !same_picture(&v->plan, plan);
@@ -344,7 +370,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
-                     (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u);
+                     (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u) | (is_aside(y, now) ? VELUM_VIEW_BLOCK_ASIDE : 0u);
     uint32_t x, row;
     place_of_turn(side, counter % turns, &x, &row);
     const uint32_t frame[4] = {row * side.w + x, flags, f->array_layer, (uint32_t)e->w->seed};
@@ -516,8 +542,8 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     frame_timestamp(e, commands, query);
     const uint32_t flags = block->frame[1];
     const pass resolve = (pass)(PASS_RESOLVE + (flags & VELUM_VIEW_BLOCK_GROUND ? PASS_GROUND : 0) +
-                                (flags & VELUM_VIEW_BLOCK_DEPTH ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
-                                (block->scale[3] != 0.0f ? PASS_MOVES : 0));
+                                (flags & (VELUM_VIEW_BLOCK_DEPTH | VELUM_VIEW_BLOCK_ASIDE) ? PASS_DEPTH : 0) +
+                                (layered ? PASS_LAYERED : 0) + (block->scale[3] != 0.0f ? PASS_MOVES : 0));
     record_march(v, commands, block);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
@@ -597,7 +623,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     v->still = history.still;
     v->rest = history.rest;
     v->has_moved = history.has_moved;
-    v->posed = history.posed;
+    v->stood = history.stood;
     v->before = now;
     v->has_camera = true;
     v->plan = plan;

@@ -242,7 +242,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec3 of_sky = rayleigh + aerosol;
     vec3 single = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
     vec3 source = sun * beam * single;
-    for (int once = haze > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (haze > 0.0) {
         float scaled = (1.0 - haze_forward) * haze;
         float above = scaled * haze_scale_m;
         float below = max((1.0 - haze_forward) * haze_extinction_1_m(eye.span.z) * haze_scale_m - above, 0.0);
@@ -257,7 +257,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec3 of_ground = of_sky * albedo;
     vec3 of_cloud = diffused * of_sky;
     vec3 of_back = vec3(0.0);
-    for (int once = fog > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (fog > 0.0) {
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
         fog_light light = fog_light_at(above, below, sun_height, cos_sun, rise, albedo);
@@ -281,7 +281,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
 /* From where to where a ray is in the fog, within its way; alike: nowhere. */
 vec2 fog_way_m(vec3 o, vec3 d, float distance_m) {
     vec2 way = vec2(0.0);
-    for (int once = eye.drift.y > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (eye.drift.y > 0.0) {
         velum_place p = place_of(o);
         float rise = dot(vec3(p.nx, p.ny, p.nz), d);
         float inside = rise * rise - 2.0 * (p.height_m - eye.drift.z) / VELUM_WGS84_A_M;
@@ -308,7 +308,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         return result;
     }
     float cos_sun = dot(d, eye.sun.xyz);
-    for (int once = eye.up.w > VELUM_AIR_TOP_M ? 0 : 1; once < 1; ++once) {
+    if (eye.up.w > VELUM_AIR_TOP_M) {
         velum_span air = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, VELUM_AIR_TOP_M);
         float enter_m = air.enter_m <= air.leave_m ? clamp(air.enter_m, 0.0, distance_m - 1.0) : 0.0;
         o += d * enter_m;
@@ -360,7 +360,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
 }
 
 /* The sky table: azimuth from the sun (0..pi, symmetric) and elevation, finer towards the horizon; its last columns hold
- * transmittance, its last row ambient light (see sky.comp). */
+ * optical depth, its last row ambient light (see sky.comp). */
 vec2 sky_place(vec3 d) {
     vec3 up = eye.up.xyz;
     float mu = clamp(dot(d, up), -1.0, 1.0);
@@ -396,7 +396,7 @@ sky_light sky_light_at(vec3 d, bool to_ground) {
     sky_light sky;
     sky.luminance = textureLod(sky_table, vec2(place.x * (size.x - 1.0) + 0.5, row) / all, 0.0).rgb;
     sky.luminance *= eye.ground.w == 0.0 ? 0.0 : VELUM_LUMINANCE_UNIT;
-    sky.transmittance = textureLod(sky_table, vec2(VELUM_SKY_W + 1.0, row) / all, 0.0).rgb;
+    sky.transmittance = exp(-textureLod(sky_table, vec2(VELUM_SKY_W + 1.0, row) / all, 0.0).rgb);
     return sky;
 }
 

@@ -78,7 +78,7 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
     float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
     bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
                 abs(anvil_m - memo.anvil_m) < 10.0;
-    for (int once = slot == memo.slot && near ? 1 : 0; once < 1; ++once) {
+    if (!(slot == memo.slot && near)) {
         memo.profile = velum_profile_of(slot, f);
         memo.of = of;
         memo.anvil_m = anvil_m;
@@ -134,13 +134,13 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     hit.across = 0.0;
     hit.smooth_part = false;
 #ifdef VELUM_FRINGED
-    for (int once = fringe && f.coverage > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (fringe && f.coverage > 0.0) {
         velum_fringe g = slot_fringe(hit.tile, slot);
         float h = hit.at_h_m;
         hit.span_m = part_span(hit.part, f, g);
         hit.sampled = h > hit.span_m.x && h < hit.span_m.y;
         hit.smooth_part = hit.part >= VELUM_PART_FALL || g.scud <= 0.0;
-        for (int inside = hit.sampled ? 0 : 1; inside < 1; ++inside) {
+        if (hit.sampled) {
             hit.extinction_1_m = part_extinction(hit.part, f, profile, g, hit.r, hit.normal, h,
                                                  velum_shows_fine(distance_m, eye.slots[slot].fine_0.w));
         }
@@ -170,7 +170,7 @@ float sun_share(cloud_hit hit, float mu_sun, float closed) {
         int slot = findLSB(rest);
         velum_slot_fields f = hit.fields;
         float seen_m = max(sun_reach_m(f, hit.height_m, mu_sun), 1.0);
-        for (int once = slot == hit.slot ? 1 : 0; once < 1; ++once) {
+        if (!(slot == hit.slot)) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
         }
@@ -386,13 +386,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
     if (velum_closes) {
-        for (int once = closed > 0.0 ? 0 : 1; once < 1; ++once) {
+        if (closed > 0.0) {
             vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
             source = uniform_layer ? tabled : mix(source, tabled, closed);
         }
     }
 #ifdef VELUM_STUDY
-    for (int once = study_octaves() ? 0 : 1; once < 1; ++once) {
+    if (study_octaves()) {
         velum_slot_fields f = hit.fields;
         float g = eye.slots[hit.slot].optics.y;
         bool ice = hit.slot == VELUM_SLOT_HIGH;

@@ -27,7 +27,7 @@ velum_fringe slot_fringe(tile_place place, int slot) {
     uint pages = table[place.fringe + uint(slot)];
     velum_fringe g = page_fringe(pages & 0xffffu, place.uv);
     if (velum_mixes) {
-        for (int once = (pages >> 16u) != (pages & 0xffffu) ? 0 : 1; once < 1; ++once) {
+        if ((pages >> 16u) != (pages & 0xffffu)) {
             uint clouds = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
             float share = velum_fields_share(page_fields(clouds & 0xffffu, place.uv),
                                              page_fields(clouds >> 16u, place.uv), eye.weather.y);
@@ -57,7 +57,7 @@ float hem_extinction(int slot, velum_slot_fields f, velum_profile profile, velum
                      float h, bool fine) {
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
     float extinction = velum_band_1_m(profile, f, g, e, h);
-    for (int once = g.scud > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (g.scud > 0.0) {
         float noise = velum_scud_noise(scud_lumps(slot, f, r), fine ? fine_noise(slot, f, r) : 0.5);
         extinction += velum_scud_1_m(f, g, e, h, noise);
     }
@@ -87,10 +87,10 @@ float part_extinction(int part, velum_slot_fields f, velum_profile profile, velu
                       float h, bool fine) {
     float extinction = 0.0;
     int slot = part & 7;
-    for (int once = part < VELUM_PART_FALL ? 0 : 1; once < 1; ++once) {
+    if (part < VELUM_PART_FALL) {
         extinction = hem_extinction(slot, f, profile, g, r, normal, h, fine);
     }
-    for (int once = part >= VELUM_PART_FALL && g.fall > 0.0 ? 0 : 1; once < 1; ++once) {
+    if (part >= VELUM_PART_FALL && g.fall > 0.0) {
         extinction = fall_extinction(slot, f, profile, g, r, normal, h, fine);
     }
     return extinction;

@@ -34,8 +34,8 @@ const float dim = 0.3;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
-/* Software devices run both sides of every branch, but leave a loop when all their lanes have, at a price. So what is
- * dear and rare stands in loops that run once or not at all; the rest in branches. */
+/* Software devices run both sides of every branch, and the body of a loop at least once: only later turns of a loop are
+ * left out, when all lanes have left it. */
 
 /* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
  * every ray rise faster as it goes), or far beyond all. */
@@ -274,7 +274,7 @@ void main() {
         light_steps *= is_fringe(hit) ? fringe_sun_steps : 1;
         light_samples += uint(light_steps);
         float place_m = 0.0;
-        for (int once = wanted ? 0 : 1; once < 1; ++once) {
+        if (wanted) {
             source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
         }
         is_lit = is_lit || wanted;

@@ -233,7 +233,11 @@ vec4 history_light(vec2 place, vec2 size) {
     vec4 over = texelFetch(history_in, clamp(cell + y, ivec2(0), last), 0);
     vec4 over_2 = texelFetch(history_in, clamp(cell + 2 * y, ivec2(0), last), 0);
     vec4 under = texelFetch(history_in, clamp(cell - y, ivec2(0), last), 0);
-    return max(here + flow(left_2, left, here, right, abs(from.x)) + flow(over_2, over, here, under, abs(from.y)), vec4(0.0));
+    vec4 corner = texelFetch(history_in, clamp(cell + x + y, ivec2(0), last), 0);
+    vec2 share = abs(from);
+    vec4 sum = here + flow(left_2, left, here, right, share.x) + flow(over_2, over, here, under, share.y) +
+               share.x * share.y * (corner - left - over + here);
+    return clamp(sum, min(min(here, corner), min(left, over)), max(max(here, corner), max(left, over)));
 }
 
 /* `hit_m`: the host's surface; below 0: none. */
@@ -264,6 +268,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     if (moves && !has_depth) {
         vec2 corner = clamp(floor(at), vec2(0.0), vec2(max(last - 1, ivec2(0))));
         vec4 around_m = textureGather(march_distance, (corner + 1.0) / view.room.xy);
+        around_m = last.x == 0 ? around_m.xxww : around_m;
+        around_m = last.y == 0 ? around_m.wzzw : around_m;
         around_m = mix(around_m, vec4(nothing_m()), lessThanEqual(around_m, vec4(0.0)));
         float own_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
         near_m = own ? own_m : min(min(around_m.x, around_m.y), min(around_m.z, around_m.w));
@@ -407,12 +413,15 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     return result;
 }
 
-/* One of the two numbers of 16 bits about x >= 0, the nearer more often: devices that cut off take 0.05 % of light in
- * each frame that hands it on, and those that round keep a mean from ever coming to its end. What 16 bits hold stays. */
+/* x >= 0 in 16 bits. In motion one of the two numbers about it, the nearer more often: cut off, as some devices do, each
+ * frame that hands light on would take 0.05 % of it. At rest the nearer. What 16 bits hold stays as it is. */
 vec4 as_half(vec4 x, uint chance) {
-    const uvec4 below = uvec4(0x1fffu);
-    uvec4 chances = uvec4(chance, chance >> 6u, chance >> 12u, chance >> 18u) & below;
-    return min(uintBitsToFloat((floatBitsToUint(x) + chances) & ~below), vec4(65504.0));
+    const uint below = 0x1fffu;
+    const float least = 6.103515625e-5, unit = 5.9604644775390625e-8; /* normal; denormal */
+    uvec4 chances = moves ? uvec4(chance, chance >> 6u, chance >> 12u, chance >> 18u) & below : uvec4(below / 2u);
+    vec4 normal = uintBitsToFloat((floatBitsToUint(x) + chances) & ~below);
+    vec4 small = floor(x / unit + vec4(chances) / float(below + 1u)) * unit;
+    return min(mix(normal, small, lessThan(x, vec4(least))), vec4(65504.0));
 }
 
 void main() {
@@ -443,7 +452,7 @@ void main() {
         sky_light sky = sky_light_at(ray.direction, to_ground);
         vec3 air = sky.transmittance;
         vec3 share = vec3(1.0);
-        if (host) {
+        if (has_depth && (host || view_flag(VELUM_VIEW_BLOCK_ASIDE))) {
             /* Of the light of all the way, the share before what is hit. */
             float enter_m;
             vec2 near = into_air(ray.origin, ray.direction, enter_m);
@@ -452,14 +461,15 @@ void main() {
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
             air = air_between(near.x, near.y, there.x, there.y, before_m);
             air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
-            share = clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0);
+            share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : share;
+            air = host ? air : whole;
         }
         light += through * sky.luminance * share;
         transmittance *= air;
     }
     if (draws_ground) {
         bool drawn = !host && ground >= 0.0;
-        for (int once = drawn ? 0 : 1; once < 1; ++once) {
+        if (drawn) {
             vec3 r = ray.origin + ray.direction * ground;
             velum_place to = place_of(r);
             float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);

@@ -36,12 +36,12 @@ float fringe_depth(vec3 plane, vec3 to_sun, float from_m) {
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
             tile = tile_move(tile, normal, max(length(r), 1.0));
-            for (int once = (tile.parts & (1u << uint(part))) != 0u ? 0 : 1; once < 1; ++once) {
+            if ((tile.parts & (1u << uint(part))) != 0u) {
                 velum_slot_fields f = slot_fields(tile, slot, true);
                 velum_fringe g = slot_fringe(tile, slot);
                 vec2 span = part_span(part, f, g);
                 float h = place.height_m;
-                for (int inside = f.coverage > 0.0 && h > span.x && h < span.y ? 0 : 1; inside < 1; ++inside) {
+                if (f.coverage > 0.0 && h > span.x && h < span.y) {
                     depth += dt * part_extinction(part, f, velum_profile_of(slot, f), g, r, normal, h, false);
                 }
             }
@@ -96,13 +96,12 @@ void main() {
             float z = (h - f.base_m) / max(f.top_m - f.base_m, 1.0);
             bool within = here && f.coverage > 0.0 && z > 0.0 && z < 1.0 && !uniform_layer;
             float stride = dt;
-            /* Loops that run once or not at all: see march.comp. */
-            for (int once = within ? 0 : 1; once < 1; ++once) {
+            if (within) {
                 velum_profile profile = velum_profile_of(slot, f);
                 float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
                 vec2 ways_m = clear_ways_m(slot, f, profile, rise);
                 float clear = -e * ways_m.x;
-                for (int covered = e > 0.0 ? 0 : 1; covered < 1; ++covered) {
+                if (e > 0.0) {
                     float lump = lump_noise(slot, f, r);
                     depth += f.extinction_1_m * dt * velum_body(profile, e, z, h - f.base_m, lump, 0.5);
                     clear = -velum_margin(profile, e, z, lump, 0.5) * ways_m.y;
@@ -111,7 +110,7 @@ void main() {
                 stride = max(dt, 0.5 * dt + min(clear, known));
             }
             /* Sharp faces: the share of the step that lies within them. */
-            for (int once = uniform_layer && here && f.coverage >= 0.5 ? 0 : 1; once < 1; ++once) {
+            if (uniform_layer && here && f.coverage >= 0.5) {
                 float half_m = 0.5 * dt;
                 depth += f.extinction_1_m * velum_slab_within(h, rise, f.base_m, f.top_m, half_m, half_m).inside_m;
             }

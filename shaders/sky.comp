@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last columns,
- * two alike: transmittance of that way. Last row:
+ * two alike: optical depth of that way. Last row:
  * mean luminance of the half world above (texels 0..31) and below (32..63), at the levels of shared/shade.h; then the
  * same of even halves of as much flux (64..127). */
 #include "air.glsl"
@@ -93,11 +93,13 @@ void main() {
         vec3 d = up * cos(zenith) + (sun_side * cos(azimuth) + across * sin(azimuth)) * sin(zenith);
         float start;
         float distance_m = air_distance(vec3(0.0), d, to_ground, start);
-        result = air_march(d * start, d, distance_m, 24, true).luminance / VELUM_LUMINANCE_UNIT;
         if (texel.x >= VELUM_SKY_W) {
             float enter_m;
             vec2 near = into_air(vec3(0.0), d, enter_m);
-            result = air_along(near, enter_m, to_ground ? start + distance_m : -1.0);
+            const float black = 1e-6;
+            result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
+        } else {
+            result = air_march(d * start, d, distance_m, 24, true).luminance / VELUM_LUMINANCE_UNIT;
         }
     }
     imageStore(sky_out, texel, vec4(result, 1.0));

@@ -63,7 +63,7 @@ bool study_sun_lumps() {
 
 float study_sun_fine(int slot, velum_slot_fields f, vec3 r) {
     float fine = 0.5;
-    for (int once = view.study.w == VELUM_STUDY_SUN_FINE ? 0 : 1; once < 1; ++once) {
+    if (view.study.w == VELUM_STUDY_SUN_FINE) {
         fine = fine_noise(slot, f, r);
     }
     return fine;
@@ -75,7 +75,7 @@ int study_sun_steps(int steps) {
 
 /* Instead of `depth`, of no samples then. */
 float study_sun_depth(vec3 r, float depth) {
-    for (int once = view.study.w == VELUM_STUDY_SUN_MAP ? 0 : 1; once < 1; ++once) {
+    if (view.study.w == VELUM_STUDY_SUN_MAP) {
         depth = -log(clamp(velum_shadow(r), 1.0e-7, 1.0));
     }
     return depth;

@@ -92,7 +92,7 @@ tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
     float y = velum_tile_coordinate(face.v, level);
     uint key = velum_tile_key(level, uint(face.face), uint(x), uint(y));
     tile_place place = last;
-    for (int once = key == last.key ? 1 : 0; once < 1; ++once) {
+    if (!(key == last.key)) {
         place = tile_look_up(face, int(level), key);
     }
     place.face = face.face;
