@@ -83,7 +83,8 @@ static bool impose_motion(const scene *s, const scene_eye *eye) {
     return ok && s->b->host.engine->set_plan(eye->eye, &plan) >= 0;
 }
 
-/* Variants in turn, each settled before. Time stands, or goes on by step_s a frame, with a shadow map to be renewed. */
+/* Variants in turn, each settled before. Time stands; or goes on by step_s a frame, with a shadow map to be renewed,
+ * and a variant has all its rounds in a row. */
 static bool run_variants(bench *b, const variant *variants, uint32_t count, double step_s, figures *f) {
     scene s;
     scene_eye eyes[VARIANTS];
@@ -92,19 +93,18 @@ static bool run_variants(bench *b, const variant *variants, uint32_t count, doub
     if (!scene_init(&s, b)) {
         return false;
     }
-    double time_s[VARIANTS] = {0.0};
     bool ok = step_s == 0.0 || scene_shadow(&s);
     for (uint32_t v = 0; v < count && ok; v++) {
         ok = scene_eye_init(&s, &eyes[v], variants[v].quality, variants[v].views, variants[v].width,
                             variants[v].height) &&
-             scene_settle(&s, &eyes[v], 17) && (!variants[v].moves || impose_motion(&s, &eyes[v])) &&
-             (step_s == 0.0 || stand(&s, &eyes[v], step_s));
-        time_s[v] = s.time_s;
+             scene_settle(&s, &eyes[v], 17) && (!variants[v].moves || impose_motion(&s, &eyes[v]));
     }
-    for (uint32_t round = 0; round < b->rounds && ok; round++) {
+    const uint32_t rounds = step_s == 0.0 ? b->rounds : 1;
+    const uint32_t frames = b->rounds * b->frames / rounds;
+    for (uint32_t round = 0; round < rounds && ok; round++) {
         for (uint32_t v = 0; v < count && ok; v++) {
-            s.time_s = time_s[v]; /* no jumps in what it has seen */
-            for (uint32_t i = 0; i < b->frames + 1 && ok; i++) {
+            ok = step_s == 0.0 || stand(&s, &eyes[v], step_s);
+            for (uint32_t i = 0; i < frames + 1 && ok; i++) {
                 scene_frame frame;
                 s.time_s += step_s;
                 ok = scene_draw(&s, &eyes[v], &frame);
@@ -112,7 +112,6 @@ static bool run_variants(bench *b, const variant *variants, uint32_t count, doub
                     add(&f[v], &frame, variants[v].views);
                 }
             }
-            time_s[v] = s.time_s;
         }
     }
     for (uint32_t v = 0; v < count && ok; v++) {
