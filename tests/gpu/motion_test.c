@@ -190,7 +190,20 @@ static void views_that_stand_have_fewer_rays(void **state) {
     draw(&r, under_m + 1.0, 0.5, steady, 0);
     draw(&r, under_m + 1.0, 0.5, steady, 0);
     expect_rays(&r, 16);
+    /* Each third frame shows what the one before it did, as where a display is faster than the simulation. */
+    for (uint32_t i = 0; i < 40; i++) {
+        stand(&r, under_m, 1);
+        stand(&r, under_m, 1);
+        draw(&r, under_m, 0.5, steady, 0);
+    }
+    expect_rays(&r, plan.standing_ray_rate);
     stand(&r, 0.5 * (double)(cumulus.base_m + cumulus.top_m), 80);
+    expect_rays(&r, 16);
+    /* Seconds a frame. */
+    for (uint32_t i = 0; i < 60; i++) {
+        r.time_s += 2.0;
+        draw(&r, under_m, 0.5, steady, 0);
+    }
     expect_rays(&r, 16);
     plan.standing_ray_rate = 0;
     assert_int_equal(r.f.engine_api->set_plan(r.f.eye, &plan), VELUM_OK);
