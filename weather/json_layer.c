@@ -115,7 +115,7 @@ static velum_result read_layer(const json_document *document, const json_node *o
     TRY(json_read_float(document, object, "water_g_m3", JSON_OPTIONAL, 0, 20, &layer->water_g_m3));
     TRY(json_read_float(document, object, "radius_um", JSON_OPTIONAL, 0.5, 500, &layer->radius_um));
     TRY(read_wind(document, object, &layer->wind_east_m_s, &layer->wind_north_m_s, &given));
-    TRY(json_read_float(document, object, "transition_m", JSON_OPTIONAL, 0, 10000, &layer->transition_m));
+    TRY(json_read_float(document, object, "transition_m", JSON_OPTIONAL, 0, 25000, &layer->transition_m));
     TRY(json_read_float(document, object, "scud", JSON_OPTIONAL, 0, 1, &layer->scud));
     return read_precipitation(document, object, &layer->precipitation_mm_h, &layer->precipitation, &given);
 }
