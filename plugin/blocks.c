@@ -248,10 +248,8 @@ void blocks_wind(const engine *e, const tiles *t, const double position_ecef_m[3
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const velum_slot_fields *f = &column.slot[slot];
         if (column.mask & (1u << slot)) {
-            const float speed_m_s =
-                sqrtf(f->wind_x_m_s * f->wind_x_m_s + f->wind_y_m_s * f->wind_y_m_s + f->wind_z_m_s * f->wind_z_m_s);
             const float away_m = height_from(f, (float)place.height_m);
-            out->turns_rad_s = fmaxf(out->turns_rad_s, away_m > 0.0f ? speed_m_s / away_m : INFINITY);
+            out->turns_rad_s = fmaxf(out->turns_rad_s, away_m > 0.0f ? velum_wind_m_s(*f) / away_m : INFINITY);
         }
     }
 }

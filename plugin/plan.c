@@ -11,7 +11,7 @@ typedef struct preset {
     const char *name;
     uint32_t march_steps, light_steps, octaves;
     float step_m, step_growth;
-    uint32_t standing_ray_rate; /* so much rougher as the preset is anyway */
+    uint32_t standing_ray_rate; /* as its error allows; 0: none */
 } preset;
 
 static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f, 64},
@@ -139,6 +139,10 @@ static bool check_study(checker *check, const eye *y, const velum_plan *p) {
     return check_fail(check, VELUM_ERROR_STATE, "plan.%s: expected 0: the eye was made without VELUM_EYE_STUDY", field);
 }
 
+static bool is_ray_rate(uint32_t rate) {
+    return rate != 0 && rate <= RAY_RATE_MOST && (rate & (rate - 1)) == 0;
+}
+
 velum_result plan_impose(eye *y, const velum_plan *plan) {
     engine *e = y->e;
     checker check = {&e->sink, "eye", "set_plan", VELUM_OK};
@@ -163,12 +167,12 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         !check_range(&check, "plan.distance_m", (double)p.distance_m, 1.0, 1e7)) {
         return check.result;
     }
-    if (p.ray_rate == 0 || p.ray_rate > RAY_RATE_MOST || (p.ray_rate & (p.ray_rate - 1)) != 0) {
+    if (!is_ray_rate(p.ray_rate)) {
         check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4, 8, 16, 32 or 64",
                    p.ray_rate);
         return check.result;
     }
-    if (p.standing_ray_rate > RAY_RATE_MOST || (p.standing_ray_rate & (p.standing_ray_rate - 1)) != 0) {
+    if (p.standing_ray_rate != 0 && !is_ray_rate(p.standing_ray_rate)) {
         check_fail(&check, VELUM_ERROR_ARGUMENT,
                    "plan.standing_ray_rate: found %u, expected 0, 1, 2, 4, 8, 16, 32 or 64", p.standing_ray_rate);
         return check.result;

@@ -7,9 +7,9 @@
 
 /* Samples that a pixel's history counts for at most while the picture moves. */
 #define MOVING_SAMPLES 3.0f
-/* The same while it stands: always, and in a frame that is made otherwise than the one before, so that no jump shows
+/* The same while it rests: always, and in a frame that is made otherwise than the one before, so that no jump shows
  * and the new way takes over. */
-#define STANDING_SAMPLES 1024.0f
+#define RESTING_SAMPLES 1024.0f
 #define OTHER_PLAN_SAMPLES 8.0f
 /* Beyond these an eye has not flown but been put elsewhere; in orbit it makes 8 km/s. */
 #define JUMP_S 5.0
@@ -34,6 +34,14 @@ static float radical_inverse(uint32_t i) {
         x += (i & 1u) ? digit : 0.0;
     }
     return (float)x;
+}
+
+static double apart2(const double a[3], const double b[3]) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return sum;
 }
 
 static bool check_axes(checker *check, const velum_view_frame *f) {
@@ -86,11 +94,7 @@ static bool check_view_frame(checker *check, const view *v, velum_view_frame *f)
         !check_count(check, "frame.height", f->height, 1, v->height)) {
         return false;
     }
-    double away2 = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double d = f->position_ecef_m[i] - v->eye->position_ecef_m[i];
-        away2 += d * d;
-    }
+    const double away2 = apart2(f->position_ecef_m, v->eye->position_ecef_m);
     return away2 <= EYE_REACH_M * EYE_REACH_M ||
            check_fail(check, VELUM_ERROR_ARGUMENT, "frame.position_ecef_m: %.0f m from its eye, expected at most %.0f",
                       sqrt(away2), EYE_REACH_M);
@@ -170,11 +174,7 @@ static bool weather_jumped(const engine *e, const camera *before, const camera *
 }
 
 static bool eye_jumped(const camera *before, const camera *now) {
-    double away2 = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double d = now->position[i] - before->position[i];
-        away2 += d * d;
-    }
+    const double away2 = apart2(now->position, before->position);
     double dt = fabs(now->time_s - before->time_s);
     double reach_m = JUMP_M + JUMP_M_S * dt;
     return !(dt <= JUMP_S && away2 <= reach_m * reach_m);
@@ -199,11 +199,7 @@ static bool stands_still(const camera *a, const camera *b) {
 }
 
 static bool is_aside(const eye *y, const camera *now) {
-    double away2 = 0.0;
-    for (int i = 0; i < 3; i++) {
-        away2 += (now->position[i] - y->position_ecef_m[i]) * (now->position[i] - y->position_ecef_m[i]);
-    }
-    return (now->flags & VELUM_VIEW_ORTHOGRAPHIC) || away2 > ASIDE_M * ASIDE_M;
+    return (now->flags & VELUM_VIEW_ORTHOGRAPHIC) || apart2(now->position, y->position_ecef_m) > ASIDE_M * ASIDE_M;
 }
 
 /* Whether a view goes on as it was, but for cloud that drifts slowly over it: see velum_plan.standing_ray_rate. */
@@ -216,13 +212,9 @@ static bool stands(const view *v, const camera *now) {
     const double pixels =
         fmax(now->width / (double)(now->tan[1] - now->tan[0]), now->height / (double)(now->tan[3] - now->tan[2])) *
         (1.0 + wide * wide + high * high);
-    double turned2 = 0.0;
-    for (int i = 0; i < 3; i++) {
-        turned2 += (now->sun[i] - before->sun[i]) * (now->sun[i] - before->sun[i]);
-    }
     return same_pose(now, before) && memcmp(now->state, before->state, sizeof now->state) == 0 &&
            now->state[0] == now->state[1] && !y->incomplete && !is_aside(y, now) && y->block.table[3] == 0 &&
-           dt <= STANDING_FRAME_S && turned2 <= STANDING_SUN * STANDING_SUN &&
+           dt <= STANDING_FRAME_S && apart2(now->sun, before->sun) <= STANDING_SUN * STANDING_SUN &&
            (double)y->wind.turns_rad_s * dt * pixels < STANDING_PIXELS;
 }
 
@@ -353,7 +345,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->scale[0] = now->scale;
     memcpy(&out->scale[1], now->jitter, sizeof now->jitter);
     memcpy(out->before_jitter, before->jitter, sizeof before->jitter);
-    out->before_jitter[2] = history->other_plan ? OTHER_PLAN_SAMPLES : STANDING_SAMPLES;
+    out->before_jitter[2] = history->other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
     out->scale[3] = anew || history->still > 0 ? 0.0f : MOVING_SAMPLES;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;

@@ -78,7 +78,7 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
     float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
     bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
                 abs(anvil_m - memo.anvil_m) < 10.0;
-    if (!(slot == memo.slot && near)) {
+    if (slot != memo.slot || !near) {
         memo.profile = velum_profile_of(slot, f);
         memo.of = of;
         memo.anvil_m = anvil_m;
@@ -170,7 +170,7 @@ float sun_share(cloud_hit hit, float mu_sun, float closed) {
         int slot = findLSB(rest);
         velum_slot_fields f = hit.fields;
         float seen_m = max(sun_reach_m(f, hit.height_m, mu_sun), 1.0);
-        if (!(slot == hit.slot)) {
+        if (slot != hit.slot) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
         }
@@ -385,11 +385,9 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
                           sun_depth(hit, mu_sun, steps, start));
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
-    if (velum_closes) {
-        if (closed > 0.0) {
-            vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
-            source = uniform_layer ? tabled : mix(source, tabled, closed);
-        }
+    if (velum_closes && closed > 0.0) {
+        vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
+        source = uniform_layer ? tabled : mix(source, tabled, closed);
     }
 #ifdef VELUM_STUDY
     if (study_octaves()) {

@@ -26,13 +26,11 @@ velum_fringe page_fringe(uint page, vec2 uv) {
 velum_fringe slot_fringe(tile_place place, int slot) {
     uint pages = table[place.fringe + uint(slot)];
     velum_fringe g = page_fringe(pages & 0xffffu, place.uv);
-    if (velum_mixes) {
-        if ((pages >> 16u) != (pages & 0xffffu)) {
-            uint clouds = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
-            float share = velum_fields_share(page_fields(clouds & 0xffffu, place.uv),
-                                             page_fields(clouds >> 16u, place.uv), eye.weather.y);
-            g = velum_fringe_mix(g, page_fringe(pages >> 16u, place.uv), share);
-        }
+    if (velum_mixes && (pages >> 16u) != (pages & 0xffffu)) {
+        uint clouds = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
+        float share = velum_fields_share(page_fields(clouds & 0xffffu, place.uv),
+                                         page_fields(clouds >> 16u, place.uv), eye.weather.y);
+        g = velum_fringe_mix(g, page_fringe(pages >> 16u, place.uv), share);
     }
     return g;
 }

@@ -279,7 +279,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool one;
         place = history_of(ray, near_m, far_m, one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
-        calm = one && !first && travels() < 2e-3 && moved_pixels(place, pixel) < trusted && (own || place.samples >= 0.5);
+        calm = one && travels() < 2e-3 && moved_pixels(place, pixel) < trusted && (own || place.samples >= 0.5);
     }
 
     /* What this frame saw around the pixel. */
@@ -467,18 +467,15 @@ void main() {
         light += through * sky.luminance * share;
         transmittance *= air;
     }
-    if (draws_ground) {
-        bool drawn = !host && ground >= 0.0;
-        if (drawn) {
-            vec3 r = ray.origin + ray.direction * ground;
-            velum_place to = place_of(r);
-            float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
-            float fog = exp(-fog_over(0.0) / max(mu_sun, 1e-3));
-            vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r) * fog;
-            vec3 sky_up = eye.ground.w != 0.0 ? half_world(0.0, false, true) * PI : vec3(0.0);
-            light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
-            transmittance = vec3(0.0);
-        }
+    if (draws_ground && !host && ground >= 0.0) {
+        vec3 r = ray.origin + ray.direction * ground;
+        velum_place to = place_of(r);
+        float mu_sun = dot(vec3(to.nx, to.ny, to.nz), eye.sun.xyz);
+        float fog = exp(-fog_over(0.0) / max(mu_sun, 1e-3));
+        vec3 sun = eye.sun_lx.rgb * sun_through_air(0.0, mu_sun) * max(mu_sun, 0.0) * velum_shadow(r) * fog;
+        vec3 sky_up = eye.ground.w != 0.0 ? half_world(0.0, false, true) * PI : vec3(0.0);
+        light += transmittance * eye.ground.rgb / PI * (sun + sky_up);
+        transmittance = vec3(0.0);
     }
     if (!solid && view_flag(VELUM_VIEW_BLOCK_SUN_DISC)) {
         float radius = max(eye.sun_lx.w, 1e-4);

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last columns,
- * two alike: optical depth of that way. Last row:
- * mean luminance of the half world above (texels 0..31) and below (32..63), at the levels of shared/shade.h; then the
- * same of even halves of as much flux (64..127). */
+ * two alike: optical depth of that way. Last row: mean luminance of the half world above (texels 0..31) and below
+ * (32..63), at the levels of shared/shade.h; then the same of even halves of as much flux (64..127). */
 #include "air.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;

@@ -92,7 +92,7 @@ tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
     float y = velum_tile_coordinate(face.v, level);
     uint key = velum_tile_key(level, uint(face.face), uint(x), uint(y));
     tile_place place = last;
-    if (!(key == last.key)) {
+    if (key != last.key) {
         place = tile_look_up(face, int(level), key);
     }
     place.face = face.face;

@@ -8,6 +8,7 @@ enum { W = 64, H = 48, PIXELS = W * H, AT_REST = 64 };
 #define LAT_DEG 50.0
 #define LON_DEG 8.5
 #define FRAME_S (1.0 / 60.0)
+static const float steady[2] = {0.0f, 0.0f}; /* no jitter */
 
 typedef struct rig {
     fixture f;
@@ -69,7 +70,6 @@ static double apart(const rig *r, const float *other) {
 /* An eye that rises out of a sheet of fog and looks level: nothing of the fog stays. */
 static void what_is_left_behind_goes(void **state) {
     (void)state;
-    static const float steady[2] = {0.0f, 0.0f};
     static float moving[PIXELS * 3];
     static rig r;
     const velum_layer fog = fixture_slab(16.0f);
@@ -118,7 +118,6 @@ static void jitter_carries_nothing_away(void **state) {
  * board and nothing of the board's clear air in the cloud, whether all else stands or the eye sinks. */
 static void depth_parts_what_is_before_from_what_is_behind(void **state) {
     (void)state;
-    static const float steady[2] = {0.0f, 0.0f};
     static float depth_m[PIXELS];
     static rig r;
     const velum_layer cloud = fixture_slab(16.0f);
@@ -156,7 +155,6 @@ static void expect_rays(const rig *r, uint32_t pixels_a_ray) {
 }
 
 static void stand(rig *r, double height_m, uint32_t frames) {
-    static const float steady[2] = {0.0f, 0.0f};
     for (uint32_t i = 0; i < frames; i++) {
         r->time_s += FRAME_S;
         draw(r, height_m, 0.5, steady, 0);
@@ -167,7 +165,6 @@ static void stand(rig *r, double height_m, uint32_t frames) {
  * imposes otherwise; never within a layer, where cloud goes by fast. */
 static void views_that_stand_have_fewer_rays(void **state) {
     (void)state;
-    static const float steady[2] = {0.0f, 0.0f};
     static rig r;
     velum_layer cumulus = fixture_cumulus();
     cumulus.wind_east_m_s = 5.0f;
@@ -216,7 +213,6 @@ static void views_that_stand_have_fewer_rays(void **state) {
  * numbers of 16 bits or by filters. */
 static void handing_on_takes_no_light(void **state) {
     (void)state;
-    static const float steady[2] = {0.0f, 0.0f};
     static float moving[PIXELS * 3];
     static rig r;
     velum_layer cumulus = fixture_cumulus();
