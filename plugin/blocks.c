@@ -244,13 +244,18 @@ void blocks_wind(const engine *e, const tiles *t, const double position_ecef_m[3
     for (int k = 0; k < VELUM_SHADE_LEVELS; k++) {
         wind_at(&column, velum_shade_height_m(k), out->m_s[k]);
     }
-    out->turns_rad_s = t->mask & ~column.mask ? INFINITY : 0.0f;
+    bool is_bound = !(t->mask & ~column.mask);
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const velum_slot_fields *f = &column.slot[slot];
         if (column.mask & (1u << slot)) {
             const float away_m = height_from(f, (float)place.height_m);
-            out->turns_rad_s = fmaxf(out->turns_rad_s, away_m > 0.0f ? velum_wind_m_s(*f) / away_m : INFINITY);
+            float *most_rad_s = f->base_m > (float)place.height_m ? &out->above_rad_s : &out->below_rad_s;
+            *most_rad_s = fmaxf(*most_rad_s, velum_wind_m_s(*f) / away_m);
+            is_bound = is_bound && away_m > 0.0f;
         }
+    }
+    if (!is_bound) {
+        out->above_rad_s = out->below_rad_s = INFINITY;
     }
 }
 

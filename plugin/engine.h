@@ -26,7 +26,8 @@ enum {
     RENDER_TILES = 16,            /* rasterised by a frame at most where the host does not prepare() */
     SHADOW_LEVELS_MAX = 4,
     PATH_BLOCK = 4, /* pixels of a march block's side, as presets have it */
-    RAY_RATE_MOST = 64
+    RAY_RATE_MOST = 64,
+    STANDING_RAY_RATE_MOST = 256
 };
 
 typedef struct engine engine;
@@ -37,8 +38,9 @@ typedef struct shadow shadow;
 /* Variants of a pass, added to its first: two weather states, or two lives of the noise; closed sheets and uniform
  * layers; layers with scud, transition band or precipitation. */
 enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
-/* Those of PASS_RESOLVE: the host draws no ground; has given its depth; gives arrays of pictures; the picture moves. */
-enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_RESOLVE_VARIANTS = 16 };
+/* Those of PASS_RESOLVE: the host draws no ground; has given its depth; gives arrays of pictures; history
+ * moves, or is kept where it is. */
+enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_KEEPS = 16, PASS_RESOLVE_VARIANTS = 24 };
 
 typedef enum pass {
     PASS_AIR,
@@ -49,7 +51,7 @@ typedef enum pass {
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
     PASS_MARCH_STUDY, /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
     PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* eight */
-    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* sixteen */
+    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* twenty-four */
     /* Of everything; from here on made with the first eye that wants them. */
     PASS_REFERENCE = PASS_RESOLVE + PASS_RESOLVE_VARIANTS,
     PASS_REFERENCE_FRINGED,
@@ -177,9 +179,9 @@ typedef struct sky_key {
 /* Of the clouds about an eye. */
 typedef struct cloud_wind {
     float m_s[VELUM_SHADE_LEVELS][3]; /* at the levels of shared/shade.h; ECEF */
-    /* How fast they go by at most, seen from the eye. INFINITY: they are at its height, or some are in sight that are
-     * not over it. */
-    float turns_rad_s;
+    /* How fast they go by at most in the zenith and in the nadir. INFINITY, both: some are at the eye's height, or are
+     * in sight and not over it. */
+    float above_rad_s, below_rad_s;
 } cloud_wind;
 
 struct eye {
@@ -245,7 +247,25 @@ typedef struct camera {
     double sun[3];
     uint64_t state[2];
     float blend;
+    bool is_aside; /* so far from its eye, or so made, that its air is not the eye's */
+    bool has_depth;
 } camera;
+
+/* What a view's frame leaves to the next. */
+typedef struct view_history {
+    bool is_there;
+    camera before;
+    velum_plan plan;     /* of that frame */
+    double time_s;       /* that history shows */
+    uint32_t counter;    /* frames since reset */
+    uint32_t rounds;     /* in which every pixel's turn came, since history was begun, or begun anew at rest */
+    uint32_t begun;      /* counter since when one number of rays has held: rounds go on from there */
+    uint32_t still;      /* frames in a row that showed the same */
+    uint32_t rest;       /* so many are a rest: more than the host repeats a pose while it moves */
+    bool has_moved;      /* some frame since then did not */
+    uint32_t stood;      /* frames in a row in which only cloud drifted, slowly */
+    uint32_t calm_turns; /* of tiles of rays, in that frame: see history_turn */
+} view_history;
 
 struct view {
     eye *eye;
@@ -254,21 +274,13 @@ struct view {
     char name[64];
     uint32_t width, height;
     uint64_t last_serial;
-    uint64_t frame;  /* engine's count; 0: none */
-    velum_plan plan; /* of the newest frame */
+    uint64_t frame; /* engine's count; 0: none */
     gpu_image march_light, march_distance;
-    gpu_buffer lit; /* of as many rays (shaders/lit.glsl): places, then their list */
+    gpu_buffer lit;  /* of as many rays (shaders/lit.glsl): places, then their list */
+    gpu_buffer rays; /* the same (shaders/view.glsl) */
     gpu_image history[2], history_data[2];
-    uint32_t newest;  /* of history */
-    uint32_t counter; /* frames since reset */
-    uint32_t rounds;  /* in which every pixel's turn came, since history was begun, or begun anew at rest */
-    uint32_t begun;   /* counter since when one number of rays has held: rounds go on from there */
-    uint32_t still;   /* frames in a row that showed the same */
-    uint32_t rest;    /* so many are a rest: more than the host repeats a pose while it moves */
-    bool has_moved;   /* some frame since then did not */
-    uint32_t stood;   /* frames in a row in which only cloud drifted, slowly */
-    bool has_camera;
-    camera before;
+    uint32_t newest; /* of history */
+    view_history past;
     velum_view_stats stats;
     bool has_stats;
     uint64_t bytes;

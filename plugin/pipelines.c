@@ -164,11 +164,11 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 7 of resolve.comp. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes, ground, depth, moves;
+    VkBool32 air, closes, ground, depth, moves, keeps;
 } variant;
 
 /* The first of its variants. */
@@ -211,12 +211,13 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[8] = {
+    const VkSpecializationMapEntry entries[9] = {
         {0, offsetof(variant, more), sizeof values->more},     {1, offsetof(variant, lanes), sizeof values->lanes},
         {2, offsetof(variant, slots), sizeof values->slots},   {3, offsetof(variant, air), sizeof values->air},
         {4, offsetof(variant, closes), sizeof values->closes}, {5, offsetof(variant, ground), sizeof values->ground},
-        {6, offsetof(variant, depth), sizeof values->depth},   {7, offsetof(variant, moves), sizeof values->moves}};
-    const VkSpecializationInfo constants = {8, entries, sizeof *values, values};
+        {6, offsetof(variant, depth), sizeof values->depth},   {7, offsetof(variant, moves), sizeof values->moves},
+        {8, offsetof(variant, keeps), sizeof values->keeps}};
+    const VkSpecializationInfo constants = {9, entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -247,7 +248,8 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .closes = !resolves && (kind & PASS_CLOSED || is_of(which, PASS_MARCH_STUDY)),
                             .ground = resolves && kind & PASS_GROUND,
                             .depth = resolves && kind & PASS_DEPTH,
-                            .moves = resolves && kind & PASS_MOVES};
+                            .moves = resolves && kind & PASS_MOVES,
+                            .keeps = resolves && kind & PASS_KEEPS};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
@@ -303,7 +305,7 @@ static bool is_left_out(pass which, bool arrays) {
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);
     return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
-           (is_resolve(which) && kind & PASS_LAYERED && !arrays);
+           (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
 }
 
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {
@@ -330,7 +332,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T};
-    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};
     bool known = blob_is_ours(g, blob, blob_size);

@@ -14,9 +14,9 @@ typedef struct preset {
     uint32_t standing_ray_rate; /* as its error allows; 0: none */
 } preset;
 
-static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f, 64},
-                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f, 32},
-                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f, 0},
+static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 160, 3, 2, 160.0f, 0.014f, 256},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f, 128},
+                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f, 64},
                                  [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f, 0},
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f, 0}};
@@ -77,12 +77,12 @@ void plan_make(const engine *e, eye *y) {
                            .step_growth = p.step_growth,
                            .distance_m = distance_m,
                            /* What it saves would be spent by a budget, and be missing as soon as the eye moves. */
-                           .standing_ray_rate = y->budget_ms > 0.0f ? 0 : p.standing_ray_rate};
+                           .standing_ray_rate = y->is_governed ? 0 : p.standing_ray_rate};
     plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels",
                 p.name, setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
                 p.light_steps, setting.ray_rate);
     if (y->plan.standing_ray_rate != 0) {
-        plan_reason(y, ", for %u in views that stand", y->plan.standing_ray_rate);
+        plan_reason(y, ", for %u where views stand and rays find nothing new", y->plan.standing_ray_rate);
     }
     budget_reasons(e, y);
     if (y->tiles.mask == 0) {
@@ -139,8 +139,8 @@ static bool check_study(checker *check, const eye *y, const velum_plan *p) {
     return check_fail(check, VELUM_ERROR_STATE, "plan.%s: expected 0: the eye was made without VELUM_EYE_STUDY", field);
 }
 
-static bool is_ray_rate(uint32_t rate) {
-    return rate != 0 && rate <= RAY_RATE_MOST && (rate & (rate - 1)) == 0;
+static bool is_ray_rate(uint32_t rate, uint32_t most) {
+    return rate != 0 && rate <= most && (rate & (rate - 1)) == 0;
 }
 
 velum_result plan_impose(eye *y, const velum_plan *plan) {
@@ -167,14 +167,14 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
         !check_range(&check, "plan.distance_m", (double)p.distance_m, 1.0, 1e7)) {
         return check.result;
     }
-    if (!is_ray_rate(p.ray_rate)) {
+    if (!is_ray_rate(p.ray_rate, RAY_RATE_MOST)) {
         check_fail(&check, VELUM_ERROR_ARGUMENT, "plan.ray_rate: found %u, expected 1, 2, 4, 8, 16, 32 or 64",
                    p.ray_rate);
         return check.result;
     }
-    if (p.standing_ray_rate != 0 && !is_ray_rate(p.standing_ray_rate)) {
+    if (p.standing_ray_rate != 0 && !is_ray_rate(p.standing_ray_rate, STANDING_RAY_RATE_MOST)) {
         check_fail(&check, VELUM_ERROR_ARGUMENT,
-                   "plan.standing_ray_rate: found %u, expected 0, 1, 2, 4, 8, 16, 32 or 64", p.standing_ray_rate);
+                   "plan.standing_ray_rate: found %u, expected 0 or a power of two up to 256", p.standing_ray_rate);
         return check.result;
     }
     if (!check_study(&check, y, &p)) {

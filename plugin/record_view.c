@@ -4,29 +4,11 @@
 #include <string.h>
 
 #include "blocks.h"
+#include "history.h"
 
-/* Samples that a pixel's history counts for at most while the picture moves. */
-#define MOVING_SAMPLES 3.0f
-/* The same while it rests: always, and in a frame that is made otherwise than the one before, so that no jump shows
- * and the new way takes over. */
-#define RESTING_SAMPLES 1024.0f
-#define OTHER_PLAN_SAMPLES 8.0f
-/* Beyond these an eye has not flown but been put elsewhere; in orbit it makes 8 km/s. */
-#define JUMP_S 5.0
-#define JUMP_M 1000.0
-#define JUMP_M_S 12000.0
-/* Simulations slower than the display repeat each pose for a few frames: fewer than these. */
-#define REPEATS_MOST 16
 #define EYE_REACH_M 10000.0
-/* Of the plan's rays in every pixel before a view that stands has fewer; pixels a frame that cloud may drift there. */
-#define STANDING_ROUNDS 3
-#define STANDING_PIXELS 0.5
-/* The longest such frame, and by how much the sun may turn in it, rad. */
-#define STANDING_FRAME_S 0.1
-#define STANDING_SUN 1e-4
 /* So far from its eye a view has air of its own before it. */
 #define ASIDE_M 50.0
-
 /* Van der Corput's sequence in base 2 (1935). */
 static float radical_inverse(uint32_t i) {
     double x = 0.0;
@@ -34,14 +16,6 @@ static float radical_inverse(uint32_t i) {
         x += (i & 1u) ? digit : 0.0;
     }
     return (float)x;
-}
-
-static double apart2(const double a[3], const double b[3]) {
-    double sum = 0.0;
-    for (int i = 0; i < 3; i++) {
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sum;
 }
 
 static bool check_axes(checker *check, const velum_view_frame *f) {
@@ -136,7 +110,8 @@ static bool check_images(checker *check, const velum_view_frame *f, const velum_
                       (double)f->depth_far_m, (double)f->depth_near_m);
 }
 
-static camera camera_of(const engine *e, const velum_view_frame *f) {
+static camera camera_of(const eye *y, const velum_view_frame *f, const velum_vulkan_images *images) {
+    const engine *e = y->e;
     camera c = {.tan = {f->tan_left, f->tan_right, f->tan_bottom, f->tan_top},
                 .jitter = {f->jitter_x, f->jitter_y},
                 .flags = f->flags & VELUM_VIEW_ORTHOGRAPHIC,
@@ -144,7 +119,10 @@ static camera camera_of(const engine *e, const velum_view_frame *f) {
                 .height = f->height,
                 .scale = f->luminance_scale,
                 .time_s = e->frame.time_s,
-                .blend = e->weather.blend};
+                .blend = e->weather.blend,
+                .is_aside = (f->flags & VELUM_VIEW_ORTHOGRAPHIC) ||
+                            apart2(f->position_ecef_m, y->position_ecef_m) > ASIDE_M * ASIDE_M,
+                .has_depth = images->depth != NULL};
     memcpy(c.position, f->position_ecef_m, sizeof c.position);
     memcpy(c.right, f->right_ecef, sizeof c.right);
     memcpy(c.up, f->up_ecef, sizeof c.up);
@@ -154,122 +132,6 @@ static camera camera_of(const engine *e, const velum_view_frame *f) {
         c.state[i] = e->weather.state[i] ? core_state_id(e->weather.state[i]) : 0;
     }
     return c;
-}
-
-/* Whether a state has taken the place of another that it was not derived from and that no timeline leads to it. */
-static bool weather_jumped(const engine *e, const camera *before, const camera *now) {
-    for (int i = 0; i < 2; i++) {
-        bool known = false;
-        for (int k = 0; k < 2; k++) {
-            known = known || now->state[i] == before->state[k] ||
-                    (e->weather.base[i] && e->weather.base[i] == before->state[k]);
-        }
-        /* A transition begins with its second state at next to nothing, and ends with its first at next to nothing. */
-        float weight = i == 0 ? 1.0f - now->blend : now->blend;
-        if (!known && weight > 0.1f) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool eye_jumped(const camera *before, const camera *now) {
-    const double away2 = apart2(now->position, before->position);
-    double dt = fabs(now->time_s - before->time_s);
-    double reach_m = JUMP_M + JUMP_M_S * dt;
-    return !(dt <= JUMP_S && away2 <= reach_m * reach_m);
-}
-
-static bool starts_anew(const engine *e, const view *v, const velum_view_frame *f, const camera *now) {
-    const camera *before = &v->before;
-    return !v->has_camera || (f->flags & VELUM_VIEW_CUT) || v->eye->reset || now->width != before->width ||
-           now->height != before->height || now->flags != before->flags || eye_jumped(before, now) ||
-           weather_jumped(e, before, now);
-}
-
-static bool same_pose(const camera *a, const camera *b) {
-    return memcmp(a->position, b->position, sizeof a->position) == 0 &&
-           memcmp(a->right, b->right, sizeof a->right) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
-           memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->tan, b->tan, sizeof a->tan) == 0;
-}
-
-static bool stands_still(const camera *a, const camera *b) {
-    return same_pose(a, b) && memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
-           memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
-}
-
-static bool is_aside(const eye *y, const camera *now) {
-    return (now->flags & VELUM_VIEW_ORTHOGRAPHIC) || apart2(now->position, y->position_ecef_m) > ASIDE_M * ASIDE_M;
-}
-
-/* Whether a view goes on as it was, but for cloud that drifts slowly over it: see velum_plan.standing_ray_rate. */
-static bool stands(const view *v, const camera *now) {
-    const eye *y = v->eye;
-    const camera *before = &v->before;
-    const double dt = fabs(now->time_s - before->time_s);
-    const double wide = fmax(fabs((double)now->tan[0]), fabs((double)now->tan[1]));
-    const double high = fmax(fabs((double)now->tan[2]), fabs((double)now->tan[3]));
-    const double pixels =
-        fmax(now->width / (double)(now->tan[1] - now->tan[0]), now->height / (double)(now->tan[3] - now->tan[2])) *
-        (1.0 + wide * wide + high * high);
-    return same_pose(now, before) && memcmp(now->state, before->state, sizeof now->state) == 0 &&
-           now->state[0] == now->state[1] && !y->incomplete && !is_aside(y, now) && y->block.table[3] == 0 &&
-           dt <= STANDING_FRAME_S && apart2(now->sun, before->sun) <= STANDING_SUN * STANDING_SUN &&
-           (double)y->wind.turns_rad_s * dt * pixels < STANDING_PIXELS;
-}
-
-/* What this frame makes of a view's history. */
-typedef struct history_turn {
-    bool anew, settles;
-    bool other_plan;                                     /* than that of the frame before */
-    uint32_t counter, still, rest, rounds, begun, stood; /* as those of the view */
-    bool has_moved;
-} history_turn;
-
-/* Whether rays and steps are the same. */
-static bool same_picture(const velum_plan *a, const velum_plan *b) {
-    return a->flags == b->flags && a->march_steps == b->march_steps && a->light_steps == b->light_steps &&
-           a->ray_rate == b->ray_rate && a->octaves == b->octaves && a->step_m == b->step_m &&
-           a->step_growth == b->step_growth && a->integrator == b->integrator && a->scattering == b->scattering &&
-           a->sun_depth == b->sun_depth && a->long_step == b->long_step && a->thin_density == b->thin_density &&
-           a->exit_transmittance == b->exit_transmittance;
-}
-
-/* `plan` becomes the view's own. */
-static history_turn turn_of(const engine *e, const view *v, const velum_view_frame *f, const camera *now,
-                            velum_plan *plan) {
-    if (starts_anew(e, v, f, now)) {
-        return (history_turn){.anew = true, .rest = 1};
-    }
-    bool is_still = stands_still(now, &v->before);
-    history_turn t = {.counter = v->counter,
-                      .rounds = v->rounds,
-                      .begun = v->begun,
-                      .still = is_still ? v->still + 1 : 0,
-                      .rest = v->rest,
-                      .stood = stands(v, now) ? v->stood + 1 : 0,
-                      .has_moved = v->has_moved || !is_still};
-    if (!is_still && v->still < REPEATS_MOST && v->still >= t.rest) {
-        t.rest = v->still + 1;
-    } else if (t.still >= REPEATS_MOST) {
-        t.rest = 1;
-    }
-    const bool has_rays = t.stood >= STANDING_ROUNDS * plan->ray_rate;
-    if (t.still < t.rest && has_rays && plan->standing_ray_rate > plan->ray_rate) {
-        plan->ray_rate = plan->standing_ray_rate;
-    }
-    t.other_plan = !same_picture(&v->plan, plan);
-    /* A progressive mean that moved pictures have gone into would keep them. */
-    t.settles = t.has_moved && t.still >= v->rest;
-    if (t.settles) {
-        t.rounds = 0;
-        t.begun = t.counter;
-        t.has_moved = false;
-    } else if (plan->ray_rate != v->plan.ray_rate) {
-        t.rounds += (t.counter - t.begun + v->plan.ray_rate - 1) / v->plan.ray_rate;
-        t.begun = t.counter;
-    }
-    return t;
 }
 
 static void fill_axes(const camera *c, const double origin[3], float right[4], float up[4], float forward[4],
@@ -333,10 +195,10 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     const eye *y = v->eye;
     const engine *e = y->e;
     memset(out, 0, sizeof *out);
-    const camera *before = anew ? now : &v->before;
+    const camera *before = anew ? now : &v->past.before;
     fill_axes(now, y->position_ecef_m, out->right, out->up, out->forward, out->offset);
     fill_axes(before, y->position_ecef_m, out->before_right, out->before_up, out->before_forward, out->before_offset);
-    float dt = (float)(now->time_s - before->time_s);
+    const float dt = anew ? 0.0f : (float)(now->time_s - v->past.time_s);
     for (int k = 0; k < VELUM_SHADE_LEVELS; k++) {
         for (int i = 0; i < 3; i++) {
             out->drifts[k][i] = y->wind.m_s[k][i] * dt;
@@ -345,16 +207,14 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->scale[0] = now->scale;
     memcpy(&out->scale[1], now->jitter, sizeof now->jitter);
     memcpy(out->before_jitter, before->jitter, sizeof before->jitter);
-    out->before_jitter[2] = history->other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
-    out->scale[3] = anew || history->still > 0 ? 0.0f : MOVING_SAMPLES;
+    out->scale[3] = history->samples;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;
     out->depth[2] = f->depth_far_m;
     out->depth[3] = images->format == VK_FORMAT_R32G32B32A32_SFLOAT ? 3e38f : 65000.0f;
     const block_size side = block_of(plan->ray_rate);
     const uint32_t turns = side.w * side.h;
-    const uint32_t counter = history->counter;
-    const uint32_t round = history->rounds + (counter - history->begun) / turns;
+    const uint32_t counter = anew ? 0 : v->past.counter;
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
     const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
                                     counter};
@@ -362,14 +222,14 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
-                     (images->depth ? VELUM_VIEW_BLOCK_DEPTH : 0u) | (is_aside(y, now) ? VELUM_VIEW_BLOCK_ASIDE : 0u);
+                     (now->has_depth ? VELUM_VIEW_BLOCK_DEPTH : 0u) | (now->is_aside ? VELUM_VIEW_BLOCK_ASIDE : 0u);
     uint32_t x, row;
     place_of_turn(side, counter % turns, &x, &row);
     const uint32_t frame[4] = {row * side.w + x, flags, f->array_layer, (uint32_t)e->w->seed};
     memcpy(out->size, size, sizeof size);
     memcpy(out->march_size, march_size, sizeof march_size);
     memcpy(out->frame, frame, sizeof frame);
-    const uint32_t turn[4] = {x, row, turns == 2, 0};
+    const uint32_t turn[4] = {x, row, turns == 2, history->calm_turns};
     memcpy(out->turn, turn, sizeof turn);
     out->room[0] = (float)v->march_light.extent.width;
     out->room[1] = (float)v->march_light.extent.height;
@@ -379,19 +239,20 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->march[1] = plan->step_growth;
     out->march[2] = plan->distance_m;
     /* In the middle of the step at first, then through all of it. */
-    out->march[3] = fmodf(0.5f + radical_inverse(round), 1.0f);
+    out->march[3] = fmodf(0.5f + radical_inverse(history->round), 1.0f);
     const uint32_t steps[4] = {plan->march_steps, plan->light_steps, plan->octaves, side.h};
     memcpy(out->steps, steps, sizeof steps);
     fill_study(plan, out);
 }
 
-static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *images, uint32_t counter,
-                           VkDescriptorSet *out) {
+static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *images, history_way way,
+                           uint32_t counter, VkDescriptorSet *out) {
     const pipelines *p = &e->passes;
     if (!frame_set(e, p->set_view, out)) {
         return false;
     }
     const uint32_t old = v->newest;
+    const uint32_t new = way == HISTORY_KEEPS ? old : old ^ 1u;
     const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
     VkImageView no_distance = images->layers ? e->nothing_layered.view : e->nothing.view;
     const VkDescriptorImageInfo info[VELUM_BIND_VIEW_COUNT] = {
@@ -401,8 +262,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_MARCH_DISTANCE_IN] = {p->nearest, v->march_distance.view, general},
         [VELUM_BIND_HISTORY_IN] = {p->linear, v->history[old].view, general},
         [VELUM_BIND_HISTORY_DATA_IN] = {p->linear, v->history_data[old].view, general},
-        [VELUM_BIND_HISTORY_OUT] = {VK_NULL_HANDLE, v->history[old ^ 1u].view, general},
-        [VELUM_BIND_HISTORY_DATA_OUT] = {VK_NULL_HANDLE, v->history_data[old ^ 1u].view, general},
+        [VELUM_BIND_HISTORY_OUT] = {VK_NULL_HANDLE, v->history[new].view, general},
+        [VELUM_BIND_HISTORY_DATA_OUT] = {VK_NULL_HANDLE, v->history_data[new].view, general},
         [VELUM_BIND_OUT_LUMINANCE] = {VK_NULL_HANDLE, images->luminance, general},
         [VELUM_BIND_OUT_TRANSMITTANCE] = {VK_NULL_HANDLE, images->transmittance, general},
         [VELUM_BIND_OUT_DISTANCE] = {VK_NULL_HANDLE, images->distance ? images->distance : no_distance, general},
@@ -413,7 +274,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_VIEW] = {e->uniforms.buffer, 0, sizeof(velum_view_block)},
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 16},
         [VELUM_BIND_LIT] = {v->lit.buffer, 0, list_at},
-        [VELUM_BIND_LIT_LIST] = {v->lit.buffer, list_at, VK_WHOLE_SIZE}};
+        [VELUM_BIND_LIT_LIST] = {v->lit.buffer, list_at, VK_WHOLE_SIZE},
+        [VELUM_BIND_RAYS] = {v->rays.buffer, 0, VK_WHOLE_SIZE}};
     static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
         [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
         [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -430,7 +292,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_DEPTH] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
         [VELUM_BIND_COUNTERS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        [VELUM_BIND_LIT_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        [VELUM_BIND_LIT_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        [VELUM_BIND_RAYS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
         bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;
@@ -453,7 +316,7 @@ typedef struct view_sets {
 } view_sets;
 
 static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_images *images,
-                      const velum_view_block *block, uint32_t counter) {
+                      const velum_view_block *block, history_way way, uint32_t counter) {
     eye *y = v->eye;
     engine *e = y->e;
     velum_eye_block eye_block = y->block;
@@ -469,7 +332,7 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
         e->g.result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    if (!write_view_set(e, v, images, counter, &sets.view)) {
+    if (!write_view_set(e, v, images, way, counter, &sets.view)) {
         return false;
     }
     VkDescriptorSet both[2] = {y->set, sets.view};
@@ -515,8 +378,62 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
     record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);
 }
 
-static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, bool layered,
-                          uint32_t counter, uint32_t query) {
+/* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do
+ * fill a cone about the nadir: how far inside it a ray lies is concave along a row. */
+static uint32_t rows_above_ground(const velum_view_frame *f) {
+    if (f->flags & VELUM_VIEW_ORTHOGRAPHIC) {
+        return 0;
+    }
+    const double margin = 2e-4; /* rad, for the shader's floats */
+    const double scale[3] = {1.0, 1.0, VELUM_SCALE_Z};
+    double position2 = 0.0, down[3], right[3], up[3], forward[3];
+    for (int i = 0; i < 3; i++) {
+        position2 += f->position_ecef_m[i] * scale[i] * f->position_ecef_m[i] * scale[i];
+        down[i] = -f->position_ecef_m[i] * scale[i];
+        right[i] = f->right_ecef[i] * scale[i];
+        up[i] = f->up_ecef[i] * scale[i];
+        forward[i] = f->forward_ecef[i] * scale[i];
+    }
+    const double edge = sqrt(fmax(1.0 - (double)VELUM_WGS84_A_M * (double)VELUM_WGS84_A_M / position2, 0.0)) - margin;
+    uint32_t rows = 0;
+    for (; rows < f->height; rows += VELUM_GROUP) {
+        const double low = fmin((double)(rows + VELUM_GROUP) / f->height, 1.0);
+        const double y = (double)f->tan_top + low * (double)(f->tan_bottom - f->tan_top);
+        double from = f->tan_left, to = f->tan_right, inside = -1.0;
+        for (int turn = 0; turn < 24; turn++) {
+            double of[2];
+            for (int side = 0; side < 2; side++) {
+                const double x = side ? (from + 2.0 * to) / 3.0 : (2.0 * from + to) / 3.0;
+                double d[3];
+                for (int i = 0; i < 3; i++) {
+                    d[i] = forward[i] + x * right[i] + y * up[i];
+                }
+                of[side] = dot3(d, down) / sqrt(position2) - edge * sqrt(dot3(d, d));
+                inside = fmax(inside, of[side]);
+            }
+            *(of[0] < of[1] ? &from : &to) = of[0] < of[1] ? (2.0 * from + to) / 3.0 : (from + 2.0 * to) / 3.0;
+        }
+        if (inside >= 0.0) {
+            break;
+        }
+    }
+    return rows < f->height ? rows : f->height;
+}
+
+/* Pixels; those of rows without ground by a pass that knows none. */
+static void record_resolve(view *v, VkCommandBuffer commands, const velum_view_frame *f, pass without_ground) {
+    engine *e = v->eye->e;
+    const uint32_t above = f->flags & VELUM_VIEW_GROUND ? rows_above_ground(f) : f->height;
+    if (above > 0) {
+        record_dispatch(e, commands, without_ground, f->width, above);
+    }
+    if (above < f->height) {
+        record_dispatch(e, commands, (pass)(without_ground + PASS_GROUND), f->width, f->height - above);
+    }
+}
+
+static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, const velum_view_frame *f,
+                          const history_turn *history, bool layered, uint32_t counter, uint32_t query) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
@@ -529,18 +446,23 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
     const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0};
     g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof no_places, no_places);
+    if (history->tiles_begin) {
+        /* As restless as can be, and no frame. */
+        g->CmdFillBuffer(commands, v->rays.buffer, 0, VK_WHOLE_SIZE, UINT32_MAX);
+    }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
     const uint32_t flags = block->frame[1];
-    const pass resolve = (pass)(PASS_RESOLVE + (flags & VELUM_VIEW_BLOCK_GROUND ? PASS_GROUND : 0) +
-                                (flags & (VELUM_VIEW_BLOCK_DEPTH | VELUM_VIEW_BLOCK_ASIDE) ? PASS_DEPTH : 0) +
-                                (layered ? PASS_LAYERED : 0) + (block->scale[3] != 0.0f ? PASS_MOVES : 0));
+    const pass resolve =
+        (pass)(PASS_RESOLVE + (flags & (VELUM_VIEW_BLOCK_DEPTH | VELUM_VIEW_BLOCK_ASIDE) ? PASS_DEPTH : 0) +
+               (layered ? PASS_LAYERED : 0) + (history->way == HISTORY_MOVES ? PASS_MOVES : 0) +
+               (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     record_march(v, commands, block);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
-    record_dispatch(e, commands, resolve, block->size[0], block->size[1]);
+    record_resolve(v, commands, f, resolve);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
     VkBufferCopy copy = {at, at, 16};
     g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &copy);
@@ -574,14 +496,14 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         return check.result;
     }
     if (y->quality == VELUM_QUALITY_REFERENCE) {
-        camera here = camera_of(e, &f);
+        camera here = camera_of(y, &f, &im);
         velum_view_block own;
         fill_view(v, &f, &im, &here, &(history_turn){.anew = true}, &y->plan, &own);
         return record_reference(v, commands, &f, &im, &own, (f.flags & VELUM_VIEW_CUT) != 0 || y->reset);
     }
-    camera now = camera_of(e, &f);
+    camera now = camera_of(y, &f, &im);
     velum_plan plan = y->plan;
-    history_turn history = turn_of(e, v, &f, &now, &plan);
+    const history_turn history = history_take(v, (f.flags & VELUM_VIEW_CUT) != 0, &now, &plan);
     const block_size side = block_of(plan.ray_rate);
     if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
@@ -589,7 +511,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     velum_view_block block;
     fill_view(v, &f, &im, &now, &history, &plan, &block);
     uint32_t counter = slot->record_count;
-    if (!bind_view(v, commands, &im, &block, counter)) {
+    if (!bind_view(v, commands, &im, &block, history.way, counter)) {
         return gpu_result(&e->g);
     }
     gpu_image *own[] = {&v->march_light, &v->march_distance,  &v->history[0],
@@ -598,7 +520,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         gpu_image_make_general(&e->g, commands, own[i]);
     }
     uint32_t query = frame_queries(e, 3);
-    record_passes(v, commands, &block, im.layers != 0, counter, query);
+    record_passes(v, commands, &block, &f, &history, im.layers != 0, counter, query);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
                                                         .is_governed = y->is_governed,
@@ -608,17 +530,8 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
                                                                   .revision = e->weather.revision,
                                                                   .weather_bytes = engine_weather_bytes(e),
                                                                   .view_bytes = v->bytes}};
-    v->newest ^= 1u;
-    v->counter = history.counter + 1;
-    v->rounds = history.rounds;
-    v->begun = history.begun;
-    v->still = history.still;
-    v->rest = history.rest;
-    v->has_moved = history.has_moved;
-    v->stood = history.stood;
-    v->before = now;
-    v->has_camera = true;
-    v->plan = plan;
+    v->newest ^= history.way == HISTORY_KEEPS ? 0u : 1u;
+    v->past = history.next;
     v->frame = e->frames;
     v->last_serial = e->newest_serial;
     return y->incomplete ? VELUM_INCOMPLETE : y->degraded ? VELUM_DEGRADED : VELUM_OK;

@@ -15,7 +15,8 @@ VkDeviceSize view_images_list_at(const view *v) {
 }
 
 static VkDeviceSize rays_bytes(const view *v) {
-    return v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size;
+    return v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size +
+           v->rays.allocation.size;
 }
 
 static void finish_rays(gpu *g, view *v) {
@@ -23,15 +24,19 @@ static void finish_rays(gpu *g, view *v) {
     gpu_image_finish(g, &v->march_light);
     gpu_image_finish(g, &v->march_distance);
     gpu_buffer_finish(g, &v->lit);
+    gpu_buffer_finish(g, &v->rays);
 }
 
 static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * VELUM_LIT_PLACES * sizeof(uint32_t);
+    const VkDeviceSize tiles_w = (w + VELUM_TILE_RAYS_W - 1) / VELUM_TILE_RAYS_W;
+    const VkDeviceSize ray_count = (VkDeviceSize)w * h + tiles_w * ((h + VELUM_TILE_RAYS_H - 1) / VELUM_TILE_RAYS_H);
     bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
               gpu_image_init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
-              gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE);
+              gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE) &&
+              gpu_buffer_init(g, &v->rays, ray_count * 2 * sizeof(uint32_t), usage, GPU_MEMORY_DEVICE);
     v->bytes += rays_bytes(v);
     return ok;
 }
@@ -75,6 +80,7 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
     *grave = (view){.march_light = v->march_light,
                     .march_distance = v->march_distance,
                     .lit = v->lit,
+                    .rays = v->rays,
                     .last_serial = v->last_serial,
                     .next = e->dead_views};
     v->bytes += grown.bytes - rays_bytes(v);
@@ -82,5 +88,6 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
     v->march_light = grown.march_light;
     v->march_distance = grown.march_distance;
     v->lit = grown.lit;
+    v->rays = grown.rays;
     return true;
 }

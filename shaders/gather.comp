@@ -12,8 +12,13 @@ layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_
 
 void main() {
     ivec2 block = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
-    if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
+    if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y) || !block_has_ray(block)) {
         return;
+    }
+    if (view.turn.w != 0u && block.x % VELUM_TILE_RAYS_W == 0 && block.y % VELUM_TILE_RAYS_H == 0) {
+        uint tile = ray_tile_of(block);
+        uint restless = min(rays[tile].x, VELUM_RESTLESS_MOST);
+        rays[tile].x = restless - restless / VELUM_RESTLESS_FRAMES;
     }
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
     vec4 found = texelFetch(march_light, block, 0);

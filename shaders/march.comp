@@ -31,6 +31,8 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
+/* Of the host's surfaces, before and now, that count as the same; where there is none. */
+const float alike_ratio = 1.7, far_off_m = 1.0e9;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -61,6 +63,26 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     return min(here, velum_threshold_least(hit.profile, min(low, 1.0), max(high, 0.0)));
 }
 
+/* Calm tiles take turns, in another frame of each round, so that all their pixels do. `end_m`: the host's surface; where
+ * that has come or gone a ray is due. */
+bool takes_turn(ivec2 block, float end_m) {
+    if (view.turn.w == 0u) {
+        return true;
+    }
+    const float threshold = VELUM_RESTLESS * float(VELUM_RESTLESS_UNIT * VELUM_RESTLESS_FRAMES);
+    bool restless = float(rays[ray_tile_of(block)].x) >= threshold * float(VELUM_TILE_RAYS_W * VELUM_TILE_RAYS_H);
+    float before_m = uintBitsToFloat(rays[ray_of(block)].y);
+    bool same = end_m < alike_ratio * before_m && before_m < alike_ratio * end_m;
+    uint frame = view.march_size.w;
+    uint turns = view.march_size.z * view.steps.w;
+    uvec2 area = uvec2(block) / uvec2(8u, 4u);
+    bool takes = restless || !same || (frame + frame / turns + area.x + 2u * area.y) % view.turn.w == 0u;
+    if (takes) {
+        rays[ray_of(block)] = uvec2(frame, floatBitsToUint(end_m));
+    }
+    return takes;
+}
+
 void main() {
     /* Eight neighbours in a row of invocations stand 4 x 2 in the picture: they go the same way more often. */
     uint lane = gl_LocalInvocationIndex & 7u;
@@ -75,6 +97,9 @@ void main() {
 
     float end = view.march.z;
     float solid = host_distance(pixel, ray);
+    if (!takes_turn(block, solid < 0.0 ? far_off_m : solid)) {
+        return;
+    }
     if (solid < 0.0) {
         solid = ground_distance(ray.origin, ray.direction);
     }
@@ -332,14 +357,14 @@ void main() {
 #endif
     imageStore(distance_out, block, vec4(distance_m));
 
-    uint rays = subgroupAdd(1u);
+    uint ray_count = subgroupAdd(1u);
     samples = subgroupAdd(samples);
     uint misses = subgroupAdd(missing ? 1u : 0u);
 #ifdef VELUM_STUDY
     light_samples = subgroupAdd(light_samples);
 #endif
     if (subgroupElect()) {
-        atomicAdd(counters[0], rays);
+        atomicAdd(counters[0], ray_count);
         atomicAdd(counters[1], samples);
 #ifdef VELUM_STUDY
         atomicAdd(counters[2], light_samples);

@@ -43,19 +43,24 @@ const float alike_pixels = 0.15;
 const float travel_m = 2.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
+/* Rec. 709. */
+const vec3 luminance_of = vec3(0.2126, 0.7152, 0.0722);
 /* So that what has none can be negative. */
 const float least_samples = 1e-3;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
- * none; nor on where history has moved to where all stands. */
+ * none; nor on where history has moved to where all stands; nor on pixels without a ray where history is kept in place,
+ * and they all have had theirs. */
 layout(constant_id = 5) const bool draws_ground = true;
 layout(constant_id = 6) const bool has_depth = true;
 layout(constant_id = 7) const bool moves = true;
+layout(constant_id = 8) const bool keeps = false;
 
 struct cloud_pixel {
     vec4 light; /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
     float distance_m; /* 0: none */
     float samples;
+    vec4 change; /* of the light, by this frame's ray; great where history was not known; 0: no ray */
 };
 
 /* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times
@@ -240,16 +245,66 @@ vec4 history_light(vec2 place, vec2 size) {
     return clamp(sum, min(min(here, corner), min(left, over)), max(max(here, corner), max(left, over)));
 }
 
+/* Whether a pixel has a ray in this frame. */
+bool has_ray(ivec2 pixel) {
+    ivec2 side = ray_block_size();
+    ivec2 block = pixel / side;
+    return pixel - block * side == ray_turn(block.y) && block_has_ray(block);
+}
+
+/* What history has is lost, or was never there. */
+const vec4 lost = vec4(1.0e4);
+
+/* History where it stands. A filter's weights have 8 bits: it would bleed into its neighbours frame by frame. */
+cloud_pixel standing_at(ivec2 pixel, out bool ended) {
+    vec2 data = texelFetch(history_data_in, pixel, 0).rg;
+    cloud_pixel old;
+    old.light = texelFetch(history_in, pixel, 0);
+    old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
+    old.samples = abs(data.y);
+    old.change = vec4(0.0);
+    ended = data.y < 0.0;
+    return old;
+}
+
+/* With a ray of its own more. */
+cloud_pixel with_ray(cloud_pixel old, float count, cloud_pixel fresh) {
+    float n = count < 1.0 ? 1.0 : count + 1.0;
+    float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (n - 1.0) : 0.0;
+    float all = opacity + 1.0 - fresh.light.a;
+    cloud_pixel result;
+    result.light = mix(old.light, fresh.light, 1.0 / n);
+    result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
+    result.samples = min(n, 1024.0);
+    result.change = fresh.light - old.light;
+    return result;
+}
+
+/* Where history is kept. */
+cloud_pixel kept_cloud(ivec2 pixel) {
+    bool ended;
+    cloud_pixel old = standing_at(pixel, ended);
+    if (has_ray(pixel)) {
+        ivec2 block = pixel / ray_block_size();
+        cloud_pixel fresh = old;
+        fresh.light = texelFetch(march_light, block, 0);
+        fresh.distance_m = texelFetch(march_distance, block, 0).r;
+        old = with_ray(old, min(old.samples, view.scale.w), fresh);
+    }
+    return old;
+}
+
 /* `hit_m`: the host's surface; below 0: none. */
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
-    bool own = pixel - block * side == turn;
+    bool own = has_ray(pixel);
     ivec2 last = ivec2(view.march_size.xy) - 1;
 
     /* This frame's ray, or between its neighbours. */
     cloud_pixel fresh;
+    fresh.change = lost;
     vec2 at = (vec2(pixel) - vec2(turn)) / vec2(side);
     at = own ? vec2(block) : clamp(at, vec2(0.0), vec2(last));
     /* The images may have room for more rays and pixels than this frame has. */
@@ -341,13 +396,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     }
     cloud_pixel old;
     if (!moves) {
-        /* A filter's weights have 8 bits: standing history would bleed into its neighbours frame by frame. */
-        vec2 data = texelFetch(history_data_in, pixel, 0).rg;
-        old.light = texelFetch(history_in, pixel, 0);
-        old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
-        old.samples = abs(data.y);
+        bool ended;
+        old = standing_at(pixel, ended);
         place.held_m = held_of(old.distance_m, 1.0 - old.light.a);
-        place.ended = bvec2(data.y < 0.0);
+        place.ended = bvec2(ended);
     }
     if (has_depth) {
         /* Cloud behind what is in sight here; what was in sight there and has hidden what is now; or both. */
@@ -359,10 +411,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         return fresh;
     }
     if (moves) {
-        old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples);
+        old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples, vec4(0.0));
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.before_jitter.z);
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.scale.w);
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
@@ -390,17 +442,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         float added = own || calm ? 0.0 : max(old.light.a - held.a, 0.0);
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = own || calm ? old.light : held;
-        count = count < 0.5 ? 0.0 : clamp(count, 1.0, view.scale.w);
+        count = count < 0.5 ? 0.0 : max(count, 1.0);
     }
 
     cloud_pixel result;
     if (own) {
-        float n = count < 1.0 ? 1.0 : count + 1.0;
-        float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (n - 1.0) : 0.0;
-        float all = opacity + 1.0 - fresh.light.a;
-        result.light = mix(old.light, fresh.light, 1.0 / n);
-        result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
-        result.samples = min(n, 1024.0);
+        result = with_ray(old, count, fresh);
     } else if (count < 0.5) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
@@ -425,20 +472,27 @@ vec4 as_half(vec4 x, uint chance) {
 }
 
 void main() {
-    ivec2 pixel = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
+    ivec2 group = dealt_group();
+    if (draws_ground) {
+        /* The last rows of groups: those before them have none of it. */
+        group.y += (int(view.size.y) + VELUM_GROUP - 1) / VELUM_GROUP - int(gl_NumWorkGroups.y);
+    }
+    ivec2 pixel = group * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
         return;
     }
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
     float hit = has_depth ? host_distance(pixel, ray) : -1.0;
     bool host = hit >= 0.0;
-    cloud_pixel cloud = resolve_cloud(pixel, ray, hit);
+    cloud_pixel cloud = keeps ? kept_cloud(pixel) : resolve_cloud(pixel, ray, hit);
     uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);
     vec4 held = as_half(cloud.light, chance);
     /* Distance is got back by opacity as it is held. */
     vec4 product = as_half(vec4((1.0 - held.a) * cloud.distance_m / distance_unit_m), chance);
-    imageStore(history_out, pixel, held);
-    imageStore(history_data_out, pixel, vec4(product.x, host ? -max(cloud.samples, least_samples) : cloud.samples, 0.0, 0.0));
+    if (!keeps || has_ray(pixel)) {
+        imageStore(history_out, pixel, held);
+        imageStore(history_data_out, pixel, vec4(product.x, host ? -max(cloud.samples, least_samples) : cloud.samples, 0.0, 0.0));
+    }
 
     float ground = ground_distance(ray.origin, ray.direction);
     hit = host ? hit : ground;
@@ -446,6 +500,7 @@ void main() {
     float through = cloud.light.a;
     vec3 light = cloud.light.rgb * VELUM_LUMINANCE_UNIT;
     vec3 transmittance = vec3(through);
+    vec3 change = cloud.change.rgb * VELUM_LUMINANCE_UNIT;
 
     if (eye.ground.w != 0.0) {
         bool to_ground = ground >= 0.0;
@@ -465,7 +520,12 @@ void main() {
             air = host ? air : whole;
         }
         light += through * sky.luminance * share;
+        change += cloud.change.a * sky.luminance * share;
         transmittance *= air;
+    }
+    if (view.turn.w != 0u && cloud.change != vec4(0.0)) {
+        float part = min(dot(abs(change), luminance_of) / max(dot(light, luminance_of), 1e-6), 1.0);
+        atomicAdd(rays[ray_tile_of(pixel / ray_block_size())].x, uint(part * float(VELUM_RESTLESS_UNIT)));
     }
     if (draws_ground && !host && ground >= 0.0) {
         vec3 r = ray.origin + ray.direction * ground;
@@ -486,7 +546,7 @@ void main() {
     }
     light *= view.scale.x;
     ivec2 out_pixel = pixel + ivec2(view.size.zw);
-    float mean = dot(transmittance, vec3(0.2126, 0.7152, 0.0722));
+    float mean = dot(transmittance, luminance_of);
     imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(view.depth.w)), mean));
     imageStore(transmittance_out, OUT_PIXEL(out_pixel), vec4(transmittance, mean));
     imageStore(distance_out, OUT_PIXEL(out_pixel), vec4(through < 0.9999 ? cloud.distance_m : 0.0));

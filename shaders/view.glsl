@@ -35,6 +35,27 @@ ivec2 ray_turn(int row) {
 #define VELUM_NOTHING 0u
 #endif
 
+/* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Then of each tile
+ * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. The march reads that and writes the
+ * blocks'; later passes the other way round. */
+layout(set = 1, binding = VELUM_BIND_RAYS, std430) buffer ray_buffer {
+    uvec2 rays[];
+};
+
+uint ray_of(ivec2 block) {
+    return uint(block.y) * view.march_size.x + uint(block.x);
+}
+uint ray_tile_of(ivec2 block) {
+    uint across = (view.march_size.x + uint(VELUM_TILE_RAYS_W) - 1u) / uint(VELUM_TILE_RAYS_W);
+    uint tile = uint(block.y / VELUM_TILE_RAYS_H) * across + uint(block.x / VELUM_TILE_RAYS_W);
+    return view.march_size.x * view.march_size.y + tile;
+}
+
+/* Whether a block has its ray in this frame, once the march is done. */
+bool block_has_ray(ivec2 block) {
+    return view.turn.w == 0u || rays[ray_of(block)].x == view.march_size.w;
+}
+
 struct view_ray {
     vec3 origin; /* offset from the eye */
     vec3 direction;

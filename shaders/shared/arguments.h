@@ -73,19 +73,20 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(before_forward);
     VELUM_VEC4(before_offset);
     VELUM_VEC4(
-        scale); /* luminance scale; jitter x, y in pixels; samples that history counts for while moving, 0: still */
+        scale); /* luminance scale; jitter x, y in pixels; samples that history counts for at most */
     VELUM_VEC4(depth);       /* convention, near m, far m; greatest number that the images can hold */
     VELUM_UVEC4(size);       /* width, height, x, y of the sub-rectangle */
     VELUM_UVEC4(march_size); /* width, height of the march images; rays' block width (1 to 8); frames since reset */
     VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);       /* step m (the first few are shorter), growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
-    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; 0 */
+    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; frames in which a calm tile
+                             has rays once, 0: all tiles have rays */
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
-    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; samples that history counts for; 0 */
+    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0; 0 */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
-    /* How far cloud at the levels of shade.h over the eye has drifted since, m. */
+    /* How far cloud at the levels of shade.h over the eye has drifted since the time that history shows, m. */
     VELUM_VEC4S(drifts, VELUM_SHADE_LEVELS);
 };
 
@@ -146,7 +147,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_REFERENCE_COUNT 14
 #define VELUM_BIND_LIT 14      /* storage: velum_lit_head, then places of rays that get light (lit.glsl) */
 #define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are */
-#define VELUM_BIND_VIEW_COUNT 16
+#define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
+#define VELUM_BIND_VIEW_COUNT 17
 
 /* Set 1 of the shadow pass. */
 #define VELUM_BIND_SHADOW_LEVEL 0 /* uniform velum_shadow_level_block, dynamic offset */
@@ -164,6 +166,17 @@ VELUM_STRUCT(velum_shadow_level_block) {
 
 /* Work groups. */
 #define VELUM_GROUP 8 /* x and y of every 2D pass */
+
+/* Rays of a tile, that are left out together: one run of lanes. */
+#define VELUM_TILE_RAYS_W 4
+#define VELUM_TILE_RAYS_H 2
+/* How restless a tile is: the sum over its rays of by how much of what is seen they differ from history, in units of
+ * one over this, each of these frames counting for less than the next by one part in VELUM_RESTLESS_FRAMES. */
+#define VELUM_RESTLESS_UNIT 256u
+#define VELUM_RESTLESS_FRAMES 8u
+#define VELUM_RESTLESS_MOST 16384u
+/* Mean difference, from which on it has rays in every frame. */
+#define VELUM_RESTLESS 0.06f
 
 /* Places of a ray at which cloud's light is found, at most; bytes of one; of the dispatch and the count before them. */
 #define VELUM_LIT_PLACES 4

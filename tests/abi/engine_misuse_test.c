@@ -363,8 +363,9 @@ static void answers_are_checked(void **state) {
         misuse_expect_ok(&m, "ray_rate");
     }
     f.plan = plan;
-    for (size_t i = 1; i < COUNT(rates); i++) {
-        f.plan.standing_ray_rate = rates[i];
+    static const uint32_t standing_rates[] = {3, 17, 63, 65, 129, 255, 257, 512, UINT32_MAX};
+    for (size_t i = 0; i < COUNT(standing_rates); i++) {
+        f.plan.standing_ray_rate = standing_rates[i];
         misuse_expect(&m, VELUM_ERROR_ARGUMENT, "standing_ray_rate");
     }
     f.plan = plan;

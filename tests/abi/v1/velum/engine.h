@@ -243,11 +243,11 @@ typedef struct velum_plan {
     float thin_density;       /* less than this share of the layer's mean extinction counts as none: 0..1; 0: 0 */
     float exit_transmittance; /* a ray ends where less comes through: 1e-6..0.9; 0: 0.0015 */
 
-    /* Of any eye again: one ray for so many pixels in a view that has stood for three rounds of ray_rate: perspective,
+    /* Of any eye again: one ray for so many pixels where rays find what history holds already (tiles of 4 x 2 rays,
+     * to 6 % of what is seen), ray_rate elsewhere: in a view that has stood for three rounds of ray_rate, perspective,
      * near its eye, outside the cloud over it, without scud and precipitation in sight, while one weather state holds
-     * and cloud drifts over it by less than half a pixel a frame. History serves such a view longer. 0, 1, 2, 4, 8, 16,
-     * 32 or 64; where it is not above ray_rate, that holds. 0 for eyes with budget_ms. Who imposes a ray_rate for views
-     * that stand imposes 0 here. */
+     * and cloud drifts over it by less than half a pixel a frame. 0, 1, 2, 4, .. 256; where it is not above ray_rate,
+     * that holds. 0 where a budget_ms is kept. Who imposes a ray_rate for views that stand imposes 0 here. */
     uint32_t standing_ray_rate;
 } velum_plan;
 

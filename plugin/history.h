@@ -1,0 +1,35 @@
+/* What a frame makes of a view's history: whether it goes on, moves, rests, or is kept. */
+#ifndef PLUGIN_HISTORY_H
+#define PLUGIN_HISTORY_H
+
+#include "engine.h"
+
+typedef enum history_way {
+    HISTORY_MOVES, /* all of it is handed on to where it stands now */
+    HISTORY_RESTS, /* pixel by pixel */
+    HISTORY_KEEPS  /* the same, in place: only pixels with a ray are written */
+} history_way;
+
+typedef struct history_turn {
+    bool anew, settles;
+    history_way way;
+    float samples; /* that a pixel's history counts for at most */
+    uint32_t round;
+    /* Frames in which tiles of rays that find what history has take one turn; 0: all have rays in every frame. */
+    uint32_t calm_turns;
+    bool tiles_begin;  /* nothing is known of them */
+    view_history next; /* the view's, once the frame is recorded */
+} history_turn;
+
+static inline double apart2(const double a[3], const double b[3]) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return sum;
+}
+
+/* `cut`: the host says that nothing of the frame before is left. */
+history_turn history_take(const view *v, bool cut, const camera *now, const velum_plan *plan);
+
+#endif
