@@ -379,45 +379,45 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
 }
 
 /* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do
- * fill a cone about the nadir: how far inside it a ray lies is concave along a row. */
+ * fill a cone about the nadir: how far inside it lies a ray of a row, times its length, is a line less a hyperbola. */
 static uint32_t rows_above_ground(const velum_view_frame *f) {
     if (f->flags & VELUM_VIEW_ORTHOGRAPHIC) {
         return 0;
     }
     const double margin = 2e-4; /* rad, for the shader's floats */
-    const double scale[3] = {1.0, 1.0, VELUM_SCALE_Z};
-    double position2 = 0.0, down[3], right[3], up[3], forward[3];
+    const double scale[3] = {1.0, 1.0, (double)VELUM_SCALE_Z};
+    double from[3], right[3], up[3], forward[3];
     for (int i = 0; i < 3; i++) {
-        position2 += f->position_ecef_m[i] * scale[i] * f->position_ecef_m[i] * scale[i];
-        down[i] = -f->position_ecef_m[i] * scale[i];
+        from[i] = f->position_ecef_m[i] * scale[i];
         right[i] = f->right_ecef[i] * scale[i];
         up[i] = f->up_ecef[i] * scale[i];
         forward[i] = f->forward_ecef[i] * scale[i];
     }
-    const double edge = sqrt(fmax(1.0 - (double)VELUM_WGS84_A_M * (double)VELUM_WGS84_A_M / position2, 0.0)) - margin;
-    uint32_t rows = 0;
-    for (; rows < f->height; rows += VELUM_GROUP) {
-        const double low = fmin((double)(rows + VELUM_GROUP) / f->height, 1.0);
-        const double y = (double)f->tan_top + low * (double)(f->tan_bottom - f->tan_top);
-        double from = f->tan_left, to = f->tan_right, inside = -1.0;
-        for (int turn = 0; turn < 24; turn++) {
-            double of[2];
-            for (int side = 0; side < 2; side++) {
-                const double x = side ? (from + 2.0 * to) / 3.0 : (2.0 * from + to) / 3.0;
-                double d[3];
-                for (int i = 0; i < 3; i++) {
-                    d[i] = forward[i] + x * right[i] + y * up[i];
-                }
-                of[side] = dot3(d, down) / sqrt(position2) - edge * sqrt(dot3(d, d));
-                inside = fmax(inside, of[side]);
-            }
-            *(of[0] < of[1] ? &from : &to) = of[0] < of[1] ? (2.0 * from + to) / 3.0 : (from + 2.0 * to) / 3.0;
+    const double from_m = sqrt(dot3(from, from)), share = (double)VELUM_WGS84_A_M / from_m;
+    const double edge = sqrt(fmax(1.0 - share * share, 0.0)) - margin;
+    const double slope = -dot3(right, from) / from_m, right2 = dot3(right, right);
+    const uint32_t beyond = 2; /* lines between rows: jitter moves rays by a pixel */
+    uint32_t line = 0;
+    for (; line < f->height + beyond; line++) {
+        const double y = (double)f->tan_top + (double)line / f->height * (double)(f->tan_bottom - f->tan_top);
+        double d[3];
+        for (int i = 0; i < 3; i++) {
+            d[i] = forward[i] + y * up[i];
         }
-        if (inside >= 0.0) {
+        const double middle = dot3(d, right) / right2;
+        const double flat = edge * edge * right2 - slope * slope;
+        const double deep2 = fmax(dot3(d, d) / right2 - middle * middle, 0.0);
+        const double best = edge > 0.0 && flat > 0.0 ? slope * sqrt(deep2 / flat) - middle : slope * INFINITY;
+        const double x = fmin(fmax(best, (double)f->tan_left), (double)f->tan_right);
+        for (int i = 0; i < 3; i++) {
+            d[i] += x * right[i];
+        }
+        if (-dot3(d, from) / from_m >= edge * sqrt(dot3(d, d))) {
             break;
         }
     }
-    return rows < f->height ? rows : f->height;
+    const uint32_t rows = line > beyond ? line - beyond : 0;
+    return rows < f->height ? rows / VELUM_GROUP * VELUM_GROUP : f->height;
 }
 
 /* Pixels; those of rows without ground by a pass that knows none. */

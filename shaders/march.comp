@@ -76,7 +76,8 @@ bool takes_turn(ivec2 block, float end_m) {
     uint frame = view.march_size.w;
     uint turns = view.march_size.z * view.steps.w;
     uvec2 area = uvec2(block) / uvec2(8u, 4u);
-    bool takes = restless || !same || (frame + frame / turns + area.x + 2u * area.y) % view.turn.w == 0u;
+    uint shift = turns > 1u ? frame / turns : 0u;
+    bool takes = restless || !same || (frame + shift + area.x + 2u * area.y) % view.turn.w == 0u;
     if (takes) {
         rays[ray_of(block)] = uvec2(frame, floatBitsToUint(end_m));
     }
