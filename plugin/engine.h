@@ -38,8 +38,8 @@ typedef struct shadow shadow;
 /* Variants of a pass, added to its first: two weather states, or two lives of the noise; closed sheets and uniform
  * layers; layers with scud, transition band or precipitation. */
 enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
-/* Those of PASS_RESOLVE: the host draws no ground; has given its depth; gives arrays of pictures; history
- * moves, or is kept where it is. */
+/* Those of PASS_RESOLVE: there may be ground in sight that the host does not draw; has given its depth; gives arrays of
+ * pictures; history moves, or is kept where it is. */
 enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_KEEPS = 16, PASS_RESOLVE_VARIANTS = 24 };
 
 typedef enum pass {

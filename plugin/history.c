@@ -25,8 +25,6 @@
 #define STANDING_SUN 2e-5
 /* Pixels that cloud may drift there before history is moved after it. */
 #define KEPT_PIXELS 0.5
-/* Only where there are no more rays. */
-#define KEPT_RATE_LEAST 16
 
 /* Whether a state has taken the place of another that it was not derived from and that no timeline leads to it. */
 static bool weather_jumped(const engine *e, const camera *before, const camera *now) {
@@ -69,6 +67,10 @@ static bool stands_still(const camera *a, const camera *b) {
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
 }
 
+/* No cloud goes by as one at the horizon of a flat earth would: as if it were seen so steeply (12 km high, on a round
+ * one). */
+#define RISE_LEAST 0.06
+
 /* How far cloud drifts in a view in so many seconds at most, pixels: over a grid of its directions. */
 static double drift_pixels(const eye *y, const camera *c, double seconds) {
     enum { SIDE = 5 };
@@ -83,8 +85,9 @@ static double drift_pixels(const eye *y, const camera *c, double seconds) {
         for (int k = 0; k < 3; k++) {
             rise += (c->forward[k] + x * c->right[k] + z * c->up[k]) * (double)y->block.up[k] / sqrt(length2);
         }
-        const float turns_rad_s = rise > 0.0 ? y->wind.above_rad_s : y->wind.below_rad_s;
-        most = fmax(most, (double)turns_rad_s * fabs(rise) * length2);
+        const double above = rise > -RISE_LEAST ? (double)y->wind.above_rad_s : 0.0;
+        const double below = rise < RISE_LEAST ? (double)y->wind.below_rad_s : 0.0;
+        most = fmax(most, fmax(above, below) * fmax(fabs(rise), RISE_LEAST) * length2);
     }
     return isinf(y->wind.above_rad_s) ? INFINITY : most * pixels * seconds;
 }
@@ -109,18 +112,17 @@ static bool same_picture(const velum_plan *a, const velum_plan *b) {
            a->exit_transmittance == b->exit_transmittance;
 }
 
-/* Whether history need not be moved: cloud has drifted too little since it was, and rays come too rarely, for that to
- * show. */
+/* Whether history need not be moved: cloud has drifted too little since it was for that to show. */
 static bool lags(const view *v, const camera *now, const velum_plan *plan) {
     const view_history *past = &v->past;
-    return plan->ray_rate >= KEPT_RATE_LEAST && !v->eye->is_governed && plan->ray_rate == past->plan.ray_rate &&
-           memcmp(now->jitter, past->before.jitter, sizeof now->jitter) == 0 &&
+    return plan->ray_rate == past->plan.ray_rate && memcmp(now->jitter, past->before.jitter, sizeof now->jitter) == 0 &&
            drift_pixels(v->eye, now, fabs(now->time_s - past->time_s)) < KEPT_PIXELS;
 }
 
 static history_turn begin(const camera *now, const velum_plan *plan) {
     return (history_turn){
         .anew = true,
+        .has_depth = now->has_depth || now->is_aside,
         .way = HISTORY_RESTS,
         .next = {.is_there = true, .before = *now, .plan = *plan, .time_s = now->time_s, .counter = 1, .rest = 1}};
 }
@@ -130,7 +132,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     if (cut || starts_anew(v, now)) {
         return begin(now, plan);
     }
-    history_turn t = {.next = *past};
+    history_turn t = {.next = *past, .has_depth = now->has_depth || past->before.has_depth || now->is_aside};
     view_history *next = &t.next;
     const bool is_still = stands_still(now, &past->before);
     next->still = is_still ? past->still + 1 : 0;
@@ -153,16 +155,16 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
         next->begun = past->counter;
     }
     t.round = next->rounds + (past->counter - next->begun) / plan->ray_rate;
-    const bool drifts = next->stood >= STANDING_ROUNDS * plan->ray_rate && !t.settles && next->still < next->rest;
+    const bool drifts = next->stood >= STANDING_ROUNDS * plan->ray_rate && !t.settles && next->still < next->rest &&
+                        plan->standing_ray_rate > plan->ray_rate && !plan_is_study(plan);
     const bool is_kept = drifts && lags(v, now, plan);
     const bool has_settled = is_still && !next->has_moved && past->counter - next->begun >= plan->ray_rate;
-    /* Pixels may lose what they have where the host's things come and go. */
-    const bool in_place = !now->has_depth && !now->is_aside && !other_plan && (is_kept || has_settled);
+    /* Pixels may lose what they have where the host's things come and go; and a budget would spend what this saves, and
+     * miss it in motion. */
+    const bool in_place = !t.has_depth && !other_plan && !v->eye->is_governed && (is_kept || has_settled);
     t.way = in_place ? HISTORY_KEEPS : is_still || is_kept ? HISTORY_RESTS : HISTORY_MOVES;
     t.samples = drifts || !is_still ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
-    t.calm_turns = drifts && !other_plan && plan->standing_ray_rate > plan->ray_rate
-                       ? plan->standing_ray_rate / plan->ray_rate
-                       : 0;
+    t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;
     next->calm_turns = t.calm_turns;
     next->time_s = t.way == HISTORY_MOVES || t.settles ? now->time_s : past->time_s;

@@ -13,7 +13,8 @@ typedef enum history_way {
 typedef struct history_turn {
     bool anew, settles;
     history_way way;
-    float samples; /* that a pixel's history counts for at most */
+    float samples;  /* that a pixel's history counts for at most */
+    bool has_depth; /* the host's, now or in the frame before; or air of its own */
     uint32_t round;
     /* Frames in which tiles of rays that find what history has take one turn; 0: all have rays in every frame. */
     uint32_t calm_turns;

@@ -427,6 +427,13 @@ static void record_resolve(view *v, VkCommandBuffer commands, const velum_view_f
     if (above > 0) {
         record_dispatch(e, commands, without_ground, f->width, above);
     }
+    if (above > 0 && above < f->height) {
+        /* No pixel of either is the other's, but images are known as one. */
+        gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                    VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
+                        VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+    }
     if (above < f->height) {
         record_dispatch(e, commands, (pass)(without_ground + PASS_GROUND), f->width, f->height - above);
     }
@@ -453,11 +460,9 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    const uint32_t flags = block->frame[1];
     const pass resolve =
-        (pass)(PASS_RESOLVE + (flags & (VELUM_VIEW_BLOCK_DEPTH | VELUM_VIEW_BLOCK_ASIDE) ? PASS_DEPTH : 0) +
-               (layered ? PASS_LAYERED : 0) + (history->way == HISTORY_MOVES ? PASS_MOVES : 0) +
-               (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
+        (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
+               (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     record_march(v, commands, block);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);

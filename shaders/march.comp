@@ -69,8 +69,10 @@ bool takes_turn(ivec2 block, float end_m) {
     if (view.turn.w == 0u) {
         return true;
     }
+    ivec2 side = ivec2(VELUM_TILE_RAYS_W, VELUM_TILE_RAYS_H);
+    ivec2 here = min(ivec2(view.march_size.xy) - block / side * side, side);
     const float threshold = VELUM_RESTLESS * float(VELUM_RESTLESS_UNIT * VELUM_RESTLESS_FRAMES);
-    bool restless = float(rays[ray_tile_of(block)].x) >= threshold * float(VELUM_TILE_RAYS_W * VELUM_TILE_RAYS_H);
+    bool restless = float(rays[ray_tile_of(block)].x) >= threshold * float(here.x * here.y);
     float before_m = uintBitsToFloat(rays[ray_of(block)].y);
     bool same = end_m < alike_ratio * before_m && before_m < alike_ratio * end_m;
     uint frame = view.march_size.w;

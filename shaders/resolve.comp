@@ -49,8 +49,8 @@ const vec3 luminance_of = vec3(0.2126, 0.7152, 0.0722);
 const float least_samples = 1e-3;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
- * none; nor on where history has moved to where all stands; nor on pixels without a ray where history is kept in place,
- * and they all have had theirs. */
+ * none; nor on where history has moved to where all stands; nor on pixels without a ray where history is kept in
+ * place. */
 layout(constant_id = 5) const bool draws_ground = true;
 layout(constant_id = 6) const bool has_depth = true;
 layout(constant_id = 7) const bool moves = true;
@@ -157,6 +157,11 @@ float travels() {
 /* From where history stood to where it stands. */
 float moved_pixels(history_place place, ivec2 pixel) {
     return length(place.pixel - (vec2(pixel) + 0.5));
+}
+
+/* See trusted. In views that stand history moves in strides, and rays of calm tiles are of earlier frames. */
+float believed() {
+    return view.turn.w != 0u ? doubted : trusted;
 }
 
 bool alike(float a_m, float b_m) {
@@ -334,7 +339,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool one;
         place = history_of(ray, near_m, far_m, one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
-        calm = one && travels() < 2e-3 && moved_pixels(place, pixel) < trusted && (own || place.samples >= 0.5);
+        calm = one && travels() < 2e-3 && moved_pixels(place, pixel) < believed() && (own || place.samples >= 0.5);
     }
 
     /* What this frame saw around the pixel. */
@@ -432,7 +437,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     if (moves) {
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
          * where the eye goes through air that may hold cloud. */
-        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(trusted, doubted, moved_pixels(place, pixel));
+        float lost_from = believed();
+        float trust =
+            count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, moved_pixels(place, pixel));
         vec4 bright = vec4(max(high, old.light).rgb, 1.0);
         vec4 slack = (high - low) * 0.25 + bright * 0.02;
         vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels();
@@ -524,7 +531,9 @@ void main() {
         transmittance *= air;
     }
     if (view.turn.w != 0u && cloud.change != vec4(0.0)) {
-        float part = min(dot(abs(change), luminance_of) / max(dot(light, luminance_of), 1e-6), 1.0);
+        /* Of what is seen, or of what shines through. */
+        float part = dot(abs(change), luminance_of) / max(dot(light, luminance_of), 1e-6);
+        part = min(max(part, abs(cloud.change.a)), 1.0);
         atomicAdd(rays[ray_tile_of(pixel / ray_block_size())].x, uint(part * float(VELUM_RESTLESS_UNIT)));
     }
     if (draws_ground && !host && ground >= 0.0) {

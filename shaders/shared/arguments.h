@@ -137,7 +137,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_MARCH_DISTANCE_IN 4
 #define VELUM_BIND_HISTORY_IN 5      /* sampler2D RGBA16F: luminance, T of cloud */
 #define VELUM_BIND_HISTORY_DATA_IN 6 /* sampler2D RG16F: distance / 100 m, number of samples */
-#define VELUM_BIND_HISTORY_OUT 7     /* storage images of the same */
+#define VELUM_BIND_HISTORY_OUT 7     /* storage images of the same: other ones, or the very same where history is kept */
 #define VELUM_BIND_HISTORY_DATA_OUT 8
 #define VELUM_BIND_OUT_LUMINANCE 9 /* storage images, format of the host; written without format */
 #define VELUM_BIND_OUT_TRANSMITTANCE 10
@@ -170,8 +170,9 @@ VELUM_STRUCT(velum_shadow_level_block) {
 /* Rays of a tile, that are left out together: one run of lanes. */
 #define VELUM_TILE_RAYS_W 4
 #define VELUM_TILE_RAYS_H 2
-/* How restless a tile is: the sum over its rays of by how much of what is seen they differ from history, in units of
- * one over this, each of these frames counting for less than the next by one part in VELUM_RESTLESS_FRAMES. */
+/* How restless a tile is: the sum over its rays of by how much of what is seen they differ from history, and one for each
+ * pixel whose history is lost, in units of one over this; the frames before count for less each time it has rays, by one
+ * part in VELUM_RESTLESS_FRAMES. */
 #define VELUM_RESTLESS_UNIT 256u
 #define VELUM_RESTLESS_FRAMES 8u
 #define VELUM_RESTLESS_MOST 16384u

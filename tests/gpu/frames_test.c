@@ -135,6 +135,7 @@ static void runs_in_silence(void **state) {
     velum_view_stats stats = {.struct_size = sizeof stats};
     assert_int_equal(h.f.engine_api->get_stats(h.views[0], &stats), VELUM_UNCHANGED);
     velum_result shared = VELUM_INCOMPLETE;
+    h.camera.flags |= VELUM_VIEW_GROUND;
     for (int i = 0; i < 24; i++) {
         h.frame.time_s = 1.0 * i;
         shared = whole_frame(&h);
@@ -152,6 +153,16 @@ static void runs_in_silence(void **state) {
     assert_int_equal(h.f.engine_api->get_plan(h.eye, &plan, &reasons), VELUM_OK);
     assert_non_null(strstr(reasons, "quality low"));
     assert_int_equal(plan.active_layers, 4);
+    /* Standing: tiles grow calm, history is kept, and moved now and then; at rest it is kept too. */
+    const double stood_s = h.frame.time_s;
+    for (int i = 0; i < 130; i++) {
+        h.frame.time_s = stood_s + (i < 110 ? i : 110) / 60.0;
+        whole_frame(&h);
+        if (i == 110) {
+            assert_int_equal(h.f.engine_api->get_stats(h.views[0], &stats), VELUM_OK);
+            assert_true(stats.rays < (WIDTH / 4) * (HEIGHT / 4));
+        }
+    }
     /* Other rates of rays, imposed. */
     static const uint32_t rates[] = {4, 1, 64, 8, 32, 16};
     for (int i = 0; i < 6; i++) {

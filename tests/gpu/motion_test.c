@@ -234,7 +234,7 @@ static void calm_tiles_have_rays_where_the_host_draws_anew(void **state) {
     stand(&r, height_m, 200);
     assert_int_equal(r.f.engine_api->get_plan(r.f.eye, &plan, NULL), VELUM_OK);
     const uint32_t turns = plan.standing_ray_rate / 16;
-    assert_int_equal(rays_standing(&r, height_m, turns), BLOCKS);
+    assert_int_equal(rays_standing(&r, height_m, turns * 16), 16 * BLOCKS);
     for (int turn = 0; turn < 4; turn++) {
         const bool board = turn % 2 == 0;
         for (int i = 0; i < PIXELS; i++) {

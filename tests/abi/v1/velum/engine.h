@@ -243,11 +243,13 @@ typedef struct velum_plan {
     float thin_density;       /* less than this share of the layer's mean extinction counts as none: 0..1; 0: 0 */
     float exit_transmittance; /* a ray ends where less comes through: 1e-6..0.9; 0: 0.0015 */
 
-    /* Of any eye again: one ray for so many pixels where rays find what history holds already (tiles of 4 x 2 rays,
-     * to 6 % of what is seen), ray_rate elsewhere: in a view that has stood for three rounds of ray_rate, perspective,
-     * near its eye, outside the cloud over it, without scud and precipitation in sight, while one weather state holds
-     * and cloud drifts over it by less than half a pixel a frame. 0, 1, 2, 4, .. 256; where it is not above ray_rate,
-     * that holds. 0 where a budget_ms is kept. Who imposes a ray_rate for views that stand imposes 0 here. */
+    /* Of any eye again, but of no plan with a field of studies: one ray for so many pixels where rays find what history
+     * holds already (tiles of 4 x 2 rays, to 6 % of what is seen), ray_rate elsewhere; history is moved when cloud has
+     * drifted by half a pixel. In a view that has stood for three rounds of ray_rate, perspective, near its eye,
+     * outside the cloud over it, without scud and precipitation in sight, at 10 Hz and more, while one weather state
+     * holds, the sun turns by less than 2e-5 rad a frame and cloud drifts over it by less than half a pixel a frame. 0,
+     * 1, 2, 4, .. 256; where it is not above ray_rate there is none of this. 0 where a budget_ms is kept. Who imposes a
+     * ray_rate for views that stand imposes 0 here. */
     uint32_t standing_ray_rate;
 } velum_plan;
 
