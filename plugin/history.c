@@ -25,6 +25,9 @@
 #define STANDING_SUN 2e-5
 /* Pixels that cloud may drift there before history is moved after it. */
 #define KEPT_PIXELS 0.5
+/* Sine of the least elevation from which its drift is reckoned: that at which the round earth shows cloud 12 km over
+ * the eye on the horizon. A flat one would let it stand still there. */
+#define RISE_LEAST 0.06
 
 /* Whether a state has taken the place of another that it was not derived from and that no timeline leads to it. */
 static bool weather_jumped(const engine *e, const camera *before, const camera *now) {
@@ -66,10 +69,6 @@ static bool stands_still(const camera *a, const camera *b) {
     return same_pose(a, b) && memcmp(a->sun, b->sun, sizeof a->sun) == 0 && a->time_s == b->time_s &&
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
 }
-
-/* No cloud goes by as one at the horizon of a flat earth would: as if it were seen so steeply (12 km high, on a round
- * one). */
-#define RISE_LEAST 0.06
 
 /* How far cloud drifts in a view in so many seconds at most, pixels: over a grid of its directions. */
 static double drift_pixels(const eye *y, const camera *c, double seconds) {

@@ -9,6 +9,7 @@
 #define EYE_REACH_M 10000.0
 /* So far from its eye a view has air of its own before it. */
 #define ASIDE_M 50.0
+
 /* Van der Corput's sequence in base 2 (1935). */
 static float radical_inverse(uint32_t i) {
     double x = 0.0;

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 /* Each ray: the light of its places, behind the air before them. */
 #include "air.glsl"
-#include "view.glsl"
 #include "lit.glsl"
+#define VELUM_NOTHING (lit_layers - 1u)
+#include "view.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -15,7 +16,7 @@ void main() {
     if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y) || !block_has_ray(block)) {
         return;
     }
-    if (view.turn.w != 0u && block.x % VELUM_TILE_RAYS_W == 0 && block.y % VELUM_TILE_RAYS_H == 0) {
+    if (calm_turns() != 0u && block.x % VELUM_TILE_RAYS_W == 0 && block.y % VELUM_TILE_RAYS_H == 0) {
         uint tile = ray_tile_of(block);
         uint restless = min(rays[tile].x, VELUM_RESTLESS_MOST);
         rays[tile].x = restless - restless / VELUM_RESTLESS_FRAMES;

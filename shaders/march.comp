@@ -66,7 +66,7 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
 /* Calm tiles take turns, in another frame of each round, so that all their pixels do. `end_m`: the host's surface; where
  * that has come or gone a ray is due. */
 bool takes_turn(ivec2 block, float end_m) {
-    if (view.turn.w == 0u) {
+    if (calm_turns() == 0u) {
         return true;
     }
     ivec2 side = ivec2(VELUM_TILE_RAYS_W, VELUM_TILE_RAYS_H);
@@ -79,7 +79,7 @@ bool takes_turn(ivec2 block, float end_m) {
     uint turns = view.march_size.z * view.steps.w;
     uvec2 area = uvec2(block) / uvec2(8u, 4u);
     uint shift = turns > 1u ? frame / turns : 0u;
-    bool takes = restless || !same || (frame + shift + area.x + 2u * area.y) % view.turn.w == 0u;
+    bool takes = restless || !same || (frame + shift + area.x + 2u * area.y) % calm_turns() == 0u;
     if (takes) {
         rays[ray_of(block)] = uvec2(frame, floatBitsToUint(end_m));
     }

@@ -161,7 +161,7 @@ float moved_pixels(history_place place, ivec2 pixel) {
 
 /* See trusted. In views that stand history moves in strides, and rays of calm tiles are of earlier frames. */
 float believed() {
-    return view.turn.w != 0u ? doubted : trusted;
+    return calm_turns() != 0u ? doubted : trusted;
 }
 
 bool alike(float a_m, float b_m) {
@@ -530,7 +530,7 @@ void main() {
         change += cloud.change.a * sky.luminance * share;
         transmittance *= air;
     }
-    if (view.turn.w != 0u && cloud.change != vec4(0.0)) {
+    if (calm_turns() != 0u && cloud.change != vec4(0.0)) {
         /* Of what is seen, or of what shines through. */
         float part = dot(abs(change), luminance_of) / max(dot(light, luminance_of), 1e-6);
         part = min(max(part, abs(cloud.change.a)), 1.0);

@@ -35,6 +35,11 @@ ivec2 ray_turn(int row) {
 #define VELUM_NOTHING 0u
 #endif
 
+/* Frames in which calm tiles take one turn; 0: all blocks have their rays in every frame. */
+uint calm_turns() {
+    return view.turn.w + VELUM_NOTHING;
+}
+
 /* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Then of each tile
  * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. The march reads that and writes the
  * blocks'; later passes the other way round. */
@@ -53,7 +58,7 @@ uint ray_tile_of(ivec2 block) {
 
 /* Whether a block has its ray in this frame, once the march is done. */
 bool block_has_ray(ivec2 block) {
-    return view.turn.w == 0u || rays[ray_of(block)].x == view.march_size.w;
+    return calm_turns() == 0u || rays[ray_of(block)].x == view.march_size.w;
 }
 
 struct view_ray {
