@@ -24,4 +24,13 @@ static inline double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Square of how far. */
+static inline double apart2(const double a[3], const double b[3]) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return sum;
+}
+
 #endif

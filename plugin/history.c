@@ -70,8 +70,8 @@ static bool stands_still(const camera *a, const camera *b) {
            memcmp(a->state, b->state, sizeof a->state) == 0 && a->blend == b->blend;
 }
 
-/* How far cloud drifts in a view in so many seconds at most, pixels: over a grid of its directions. */
-static double drift_pixels(const eye *y, const camera *c, double seconds) {
+/* How fast cloud drifts in a view at most: over a grid of its directions. */
+static double drift_pixels_s(const eye *y, const camera *c) {
     enum { SIDE = 5 };
     const double pixels = fmax(c->width / (double)(c->tan[1] - c->tan[0]), c->height / (double)(c->tan[3] - c->tan[2]));
     double most = 0.0;
@@ -88,18 +88,18 @@ static double drift_pixels(const eye *y, const camera *c, double seconds) {
         const double below = rise < RISE_LEAST ? (double)y->wind.below_rad_s : 0.0;
         most = fmax(most, fmax(above, below) * fmax(fabs(rise), RISE_LEAST) * length2);
     }
-    return isinf(y->wind.above_rad_s) ? INFINITY : most * pixels * seconds;
+    return isinf(y->wind.above_rad_s) ? INFINITY : most * pixels;
 }
 
 /* Whether a view goes on as it was, but for cloud that drifts slowly over it: see velum_plan.standing_ray_rate. */
-static bool stands(const view *v, const camera *now) {
+static bool stands(const view *v, const camera *now, double pixels_s) {
     const eye *y = v->eye;
     const camera *before = &v->past.before;
     const double dt = fabs(now->time_s - before->time_s);
     return same_pose(now, before) && memcmp(now->state, before->state, sizeof now->state) == 0 &&
            now->state[0] == now->state[1] && !y->incomplete && !now->is_aside && y->block.table[3] == 0 &&
            dt <= STANDING_FRAME_S && apart2(now->sun, before->sun) <= STANDING_SUN * STANDING_SUN &&
-           drift_pixels(y, now, dt) < STANDING_PIXELS;
+           pixels_s * dt < STANDING_PIXELS;
 }
 
 /* Whether rays and steps are the same. */
@@ -112,10 +112,10 @@ static bool same_picture(const velum_plan *a, const velum_plan *b) {
 }
 
 /* Whether history need not be moved: cloud has drifted too little since it was for that to show. */
-static bool lags(const view *v, const camera *now, const velum_plan *plan) {
+static bool lags(const view *v, const camera *now, const velum_plan *plan, double pixels_s) {
     const view_history *past = &v->past;
     return plan->ray_rate == past->plan.ray_rate && memcmp(now->jitter, past->before.jitter, sizeof now->jitter) == 0 &&
-           drift_pixels(v->eye, now, fabs(now->time_s - past->time_s)) < KEPT_PIXELS;
+           pixels_s * fabs(now->time_s - past->time_s) < KEPT_PIXELS;
 }
 
 static history_turn begin(const camera *now, const velum_plan *plan) {
@@ -134,8 +134,9 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     history_turn t = {.next = *past, .has_depth = now->has_depth || past->before.has_depth || now->is_aside};
     view_history *next = &t.next;
     const bool is_still = stands_still(now, &past->before);
+    const double drift = drift_pixels_s(v->eye, now);
     next->still = is_still ? past->still + 1 : 0;
-    next->stood = stands(v, now) ? past->stood + 1 : 0;
+    next->stood = stands(v, now, drift) ? past->stood + 1 : 0;
     next->has_moved = past->has_moved || !is_still;
     if (!is_still && past->still < REPEATS_MOST && past->still >= past->rest) {
         next->rest = past->still + 1;
@@ -156,7 +157,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     t.round = next->rounds + (past->counter - next->begun) / plan->ray_rate;
     const bool drifts = next->stood >= STANDING_ROUNDS * plan->ray_rate && !t.settles && next->still < next->rest &&
                         plan->standing_ray_rate > plan->ray_rate && !plan_is_study(plan);
-    const bool is_kept = drifts && lags(v, now, plan);
+    const bool is_kept = drifts && lags(v, now, plan, drift);
     const bool has_settled = is_still && !next->has_moved && past->counter - next->begun >= plan->ray_rate;
     /* Pixels may lose what they have where the host's things come and go; and a budget would spend what this saves, and
      * miss it in motion. */

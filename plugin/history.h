@@ -22,14 +22,6 @@ typedef struct history_turn {
     view_history next; /* the view's, once the frame is recorded */
 } history_turn;
 
-static inline double apart2(const double a[3], const double b[3]) {
-    double sum = 0.0;
-    for (int i = 0; i < 3; i++) {
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sum;
-}
-
 /* `cut`: the host says that nothing of the frame before is left. */
 history_turn history_take(const view *v, bool cut, const camera *now, const velum_plan *plan);
 

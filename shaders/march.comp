@@ -31,8 +31,8 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* Of the host's surfaces, before and now, that count as the same; where there is none. */
-const float alike_ratio = 1.7, far_off_m = 1.0e9;
+/* Where the host has no surface. */
+const float far_off_m = 1.0e9;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -74,12 +74,11 @@ bool takes_turn(ivec2 block, float end_m) {
     const float threshold = VELUM_RESTLESS * float(VELUM_RESTLESS_UNIT * VELUM_RESTLESS_FRAMES);
     bool restless = float(rays[ray_tile_of(block)].x) >= threshold * float(here.x * here.y);
     float before_m = uintBitsToFloat(rays[ray_of(block)].y);
-    bool same = end_m < alike_ratio * before_m && before_m < alike_ratio * end_m;
     uint frame = view.march_size.w;
     uint turns = view.march_size.z * view.steps.w;
     uvec2 area = uvec2(block) / uvec2(8u, 4u);
     uint shift = turns > 1u ? frame / turns : 0u;
-    bool takes = restless || !same || (frame + shift + area.x + 2u * area.y) % calm_turns() == 0u;
+    bool takes = restless || !alike(end_m, before_m) || (frame + shift + area.x + 2u * area.y) % calm_turns() == 0u;
     if (takes) {
         rays[ray_of(block)] = uvec2(frame, floatBitsToUint(end_m));
     }

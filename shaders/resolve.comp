@@ -31,8 +31,6 @@ layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE d
 const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away, or as far as rays go. */
 const float nothing_least_m = 60000.0;
-/* Distances of one thing, as rays of one pixel find them. */
-const float alike_ratio = 1.7;
 /* Below it a pixel is as good as clear. */
 const float least_opacity = 0.005;
 /* Pixels that history has moved since the frame before: all is believed of it, nothing beyond what this frame saw. */
@@ -162,10 +160,6 @@ float moved_pixels(history_place place, ivec2 pixel) {
 /* See trusted. In views that stand history moves in strides, and rays of calm tiles are of earlier frames. */
 float believed() {
     return calm_turns() != 0u ? doubted : trusted;
-}
-
-bool alike(float a_m, float b_m) {
-    return a_m < alike_ratio * b_m && b_m < alike_ratio * a_m;
 }
 
 /* Of a pixel around which there is something from so near to so far away: what stood where the nearest would have, or

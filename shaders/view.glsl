@@ -90,6 +90,12 @@ view_ray view_ray_at(vec2 pixel) {
     return ray;
 }
 
+/* Distances of one thing, as rays of one pixel find them. */
+const float alike_ratio = 1.7;
+bool alike(float a_m, float b_m) {
+    return a_m < alike_ratio * b_m && b_m < alike_ratio * a_m;
+}
+
 /* The pixel of a block that has the ray in this frame. */
 ivec2 ray_pixel(ivec2 block) {
     return min(block * ray_block_size() + ray_turn(block.y), ivec2(view.size.xy) - 1);

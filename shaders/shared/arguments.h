@@ -80,8 +80,9 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
     VELUM_VEC4(march);       /* step m (the first few are shorter), growth, distance m, sample offset 0..1 of this frame */
     VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
-    VELUM_UVEC4(turn);       /* pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; frames in which a calm tile
-                             has rays once, 0: all tiles have rays */
+    /* Pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; frames in which a calm tile has
+     * rays once, 0: all tiles have rays. */
+    VELUM_UVEC4(turn);
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
     VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0; 0 */
