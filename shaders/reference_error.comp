@@ -15,7 +15,6 @@ layout(set = 1, binding = VELUM_BIND_REFERENCE_ERROR, std430) buffer error_buffe
 };
 
 shared float part[VELUM_REFERENCE_GROUP];
-const vec3 luminance_of = vec3(0.2126, 0.7152, 0.0722);
 
 float sum_of_parts() {
     barrier();
@@ -32,7 +31,7 @@ void main() {
     uint lane = gl_LocalInvocationIndex;
     float sum = 0.0;
     for (uint i = lane; i < count; i += VELUM_REFERENCE_GROUP) {
-        sum += max(dot(pixels[i].light.rgb, luminance_of), 0.0);
+        sum += max(dot(pixels[i].light.rgb, VELUM_LUMINANCE_OF), 0.0);
     }
     part[lane] = sum;
     float least = 0.01 * sum_of_parts() / float(count);
@@ -40,7 +39,7 @@ void main() {
     for (uint i = lane; i < count; i += VELUM_REFERENCE_GROUP) {
         float n = pixels[i].light.w;
         float error = n > 1.0 ? sqrt(max(pixels[i].through.w, 0.0) / (n * (n - 1.0))) : 0.0;
-        float luminance = max(dot(pixels[i].light.rgb, luminance_of), least);
+        float luminance = max(dot(pixels[i].light.rgb, VELUM_LUMINANCE_OF), least);
         sum += luminance > 0.0 ? error / luminance : 0.0;
     }
     part[lane] = sum;

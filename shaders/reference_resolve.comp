@@ -27,8 +27,6 @@ layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IM
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
 layout(set = 1, binding = VELUM_BIND_REFERENCE_OUT_VARIANCE) uniform writeonly OUT_IMAGE variance_out;
 
-const vec3 luminance_of = vec3(0.2126, 0.7152, 0.0722);
-
 void main() {
     ivec2 pixel = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
     if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
@@ -50,7 +48,7 @@ void main() {
         float n = sum.light.w + 1.0;
         vec3 off = path.light.rgb - sum.light.rgb;
         vec3 light = sum.light.rgb + off / n;
-        sum.through.w += dot(off, luminance_of) * dot(path.light.rgb - light, luminance_of);
+        sum.through.w += dot(off, VELUM_LUMINANCE_OF) * dot(path.light.rgb - light, VELUM_LUMINANCE_OF);
         sum.light = vec4(light, n);
         sum.through.rgb += (path.through.rgb - sum.through.rgb) / n;
         sum.distance.x += (path.light.w - sum.distance.x) / n;
@@ -73,7 +71,7 @@ void main() {
     light *= view.scale.x;
     float n = sum.light.w;
     float variance = n > 1.0 ? max(sum.through.w, 0.0) / (n * (n - 1.0)) : 0.0;
-    float mean = dot(transmittance, luminance_of);
+    float mean = dot(transmittance, VELUM_LUMINANCE_OF);
     float distance_m = sum.distance.y > 1e-4 ? max(sum.distance.x / sum.distance.y, 0.0) : 0.0;
     ivec2 out_pixel = pixel + ivec2(view.size.zw);
     imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(view.depth.w)), mean));

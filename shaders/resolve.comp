@@ -41,8 +41,6 @@ const float alike_pixels = 0.15;
 const float travel_m = 2.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
-/* Rec. 709. */
-const vec3 luminance_of = vec3(0.2126, 0.7152, 0.0722);
 /* So that what has none can be negative. */
 const float least_samples = 1e-3;
 
@@ -526,7 +524,7 @@ void main() {
     }
     if (calm_turns() != 0u && cloud.change != vec4(0.0)) {
         /* Of what is seen, or of what shines through. */
-        float part = dot(abs(change), luminance_of) / max(dot(light, luminance_of), 1e-6);
+        float part = dot(abs(change), VELUM_LUMINANCE_OF) / max(dot(light, VELUM_LUMINANCE_OF), 1e-6);
         part = min(max(part, abs(cloud.change.a)), 1.0);
         atomicAdd(rays[ray_tile_of(pixel / ray_block_size())].x, uint(part * float(VELUM_RESTLESS_UNIT)));
     }
@@ -549,7 +547,7 @@ void main() {
     }
     light *= view.scale.x;
     ivec2 out_pixel = pixel + ivec2(view.size.zw);
-    float mean = dot(transmittance, luminance_of);
+    float mean = dot(transmittance, VELUM_LUMINANCE_OF);
     imageStore(luminance_out, OUT_PIXEL(out_pixel), vec4(min(light, vec3(view.depth.w)), mean));
     imageStore(transmittance_out, OUT_PIXEL(out_pixel), vec4(transmittance, mean));
     imageStore(distance_out, OUT_PIXEL(out_pixel), vec4(through < 0.9999 ? cloud.distance_m : 0.0));

@@ -162,6 +162,9 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_SKY_H 108
 #define VELUM_GLOW_SIDE 32
 
+/* Luminance of linear Rec. 709 primaries (ITU-R BT.709), in GLSL. */
+#define VELUM_LUMINANCE_OF vec3(0.2126, 0.7152, 0.0722)
+
 /* March images and history hold luminance over this, so that half floats do not overflow: cd/m2. */
 #define VELUM_LUMINANCE_UNIT 16.0f
 
