@@ -38,6 +38,10 @@ bool gpu_check(gpu *g, VkResult result, const char *call, const char *file, int 
     return false;
 }
 
+bool gpu_is_software(const gpu *g) {
+    return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
 velum_result gpu_result(const gpu *g) {
     switch (g->result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:

@@ -91,6 +91,8 @@ bool gpu_check(gpu *g, VkResult result, const char *call, const char *file, int 
 #define VK(g, call) gpu_check(g, (g)->call, #call, __FILE__, __LINE__)
 /* What to return after a failed call. */
 velum_result gpu_result(const gpu *g);
+/* Whether the device is the processor. */
+bool gpu_is_software(const gpu *g);
 
 /* Loads the functions and reads the limits. */
 velum_result gpu_init(gpu *g, const velum_vulkan_lend *lend, const log_sink *sink);

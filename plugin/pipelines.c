@@ -160,7 +160,7 @@ VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
 }
 
 uint32_t pipelines_reference_lanes(const gpu *g) {
-    return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 8 : VELUM_REFERENCE_GROUP;
+    return gpu_is_software(g) ? 8 : VELUM_REFERENCE_GROUP;
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
@@ -299,11 +299,12 @@ static bool create_listed(pipeline_list *list, gpu *g) {
     return gpu_check(g, (VkResult)atomic_load(&list->result), "CreateComputePipelines", __FILE__, __LINE__);
 }
 
-/* Those that are made with the first eye that wants them, and those that nothing asks for. */
-static bool is_left_out(pass which, bool arrays) {
+/* Those that are made when they are first asked for, and those that nothing asks for. Software devices compile at a
+ * pipeline's first dispatch: made earlier, it costs as much and saves nothing. */
+static bool is_left_out(const gpu *g, pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);
-    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
+    return gpu_is_software(g) || is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
            (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
 }
@@ -356,7 +357,7 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
     pipeline_list list = {.p = p, .g = g};
     for (uint32_t i = 0; i < PASS_REFERENCE; i++) {
-        if (!is_left_out((pass)i, arrays)) {
+        if (!is_left_out(g, (pass)i, arrays)) {
             list.which[list.count++] = (pass)i;
         }
     }
@@ -366,6 +367,16 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
         return gpu_result(g);
     }
     return VELUM_OK;
+}
+
+bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count) {
+    pipeline_list list = {.p = p, .g = g};
+    for (uint32_t i = 0; i < count; i++) {
+        if (!p->pipeline[needed[i]]) {
+            list.which[list.count++] = needed[i];
+        }
+    }
+    return list.count == 0 || create_listed(&list, g);
 }
 
 velum_result pipelines_add_study(pipelines *p, gpu *g) {

@@ -49,10 +49,6 @@ static bool init_storage(gpu *g, gpu_buffer *buffer, VkDeviceSize bytes) {
                            GPU_MEMORY_DEVICE);
 }
 
-static bool is_software(const gpu *g) {
-    return g->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-}
-
 /* One work group for each thread: each takes paths as long as there are any. */
 static uint32_t software_groups(void) {
     long threads = sysconf(_SC_NPROCESSORS_ONLN);
@@ -78,7 +74,7 @@ bool reference_init(view *v) {
         g->result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
         return false;
     }
-    const bool software = is_software(g);
+    const bool software = gpu_is_software(g);
     r->path_room = software ? SOFTWARE_PATHS : PATHS_MIN;
     r->rounds = 64;
     if (!init_storage(g, &r->paths, (software ? SOFTWARE_PATHS : PATHS_MAX) * sizeof(velum_reference_path)) ||
@@ -153,7 +149,7 @@ void reference_learn(view *v, const frame_record *record, const uint32_t *slice_
         return;
     }
     bool complete = slice_words[VELUM_SLICE_DONE] == record->paths;
-    adapt(r, record, is_software(&v->eye->e->g), complete, ms);
+    adapt(r, record, gpu_is_software(&v->eye->e->g), complete, ms);
     r->complete = r->complete || complete;
     if (complete && r->turn + r->turns >= turns_of(r)) {
         v->stats.paths_per_pixel += r->paths_now;
@@ -305,7 +301,7 @@ static bool bind_init(view *v, const velum_vulkan_images *images, const velum_vi
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         seen.slots[slot].bounds[3] = v->reference.most_1_m[slot];
     }
-    first.steps[2] = v->reference.begun && is_software(&e->g) ? 1 : 0;
+    first.steps[2] = v->reference.begun && gpu_is_software(&e->g) ? 1 : 0;
     again.steps[2] = 1;
     out->sets[0] = y->set;
     if (!frame_uniform(e, &seen, sizeof seen, &out->offsets[0]) ||
@@ -356,7 +352,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const binding *boun
     frame_timestamp(e, commands, query);
     bind(e, commands, bound, false);
     if (paths > 0) {
-        const bool software = is_software(g);
+        const bool software = gpu_is_software(g);
         const uint32_t lanes = pipelines_reference_lanes(g);
         const uint32_t groups = (paths + lanes - 1) / lanes;
         const uint32_t most = software ? software_groups() : GROUPS_MAX;
@@ -420,7 +416,7 @@ velum_result record_reference(view *v, VkCommandBuffer commands, const velum_vie
         learn_bounds(v);
     }
     take_slice(r, velum_reference_blocks(frame->width, frame->height), frame->path_limit, anew, block);
-    block->steps[3] = is_software(&e->g) ? rounds_of(r) : 0x7fffffffu;
+    block->steps[3] = gpu_is_software(&e->g) ? rounds_of(r) : 0x7fffffffu;
     uint32_t counter = slot->record_count;
     binding bound;
     if (!bind_init(v, images, block, counter, &bound)) {

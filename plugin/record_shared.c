@@ -152,6 +152,10 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
     if (!check_pointer(&check, "commands", commands) || !read_eyes(&check, e, eyes, count, stride, frames, list)) {
         return check.result;
     }
+    static const pass needed[] = {PASS_AIR, PASS_GLOW, PASS_SKY};
+    if (!pipelines_need(&e->passes, &e->g, needed, sizeof needed / sizeof needed[0])) {
+        return gpu_result(&e->g);
+    }
     velum_result result = record_begin(e, commands);
     if (result < 0) {
         return result;

@@ -343,37 +343,53 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
 }
 
 /* For what is in sight of an eye. */
-typedef struct march_passes {
+typedef struct view_passes {
     pass march, light; /* light PASS_COUNT: none; studies light as they go */
-} march_passes;
+    pass resolve;      /* without ground */
+} view_passes;
 
-static march_passes march_of(const eye *y) {
+static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
+    const pass resolve =
+        (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
+               (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
-        return (march_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT};
+        return (view_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT, resolve};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
-    return (march_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed)};
+    return (view_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed), resolve};
+}
+
+static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
+    pass needed[5] = {passes->march, passes->resolve};
+    uint32_t count = 2;
+    if (passes->light != PASS_COUNT) {
+        needed[count++] = passes->light;
+        needed[count++] = PASS_GATHER;
+    }
+    if (f->flags & VELUM_VIEW_GROUND) {
+        needed[count++] = (pass)(passes->resolve + PASS_GROUND);
+    }
+    return pipelines_need(&e->passes, &e->g, needed, count);
 }
 
 /* Rays; the light of the places that they have found; both together. */
-static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block) {
+static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block, const view_passes *which) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
                                   VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    const march_passes which = march_of(v->eye);
-    record_dispatch(e, commands, which.march, block->march_size[0], block->march_size[1]);
-    if (which.light == PASS_COUNT) {
+    record_dispatch(e, commands, which->march, block->march_size[0], block->march_size[1]);
+    if (which->light == PASS_COUNT) {
         return;
     }
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                 access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which.light]);
+    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which->light]);
     g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
     gpu_barrier(g, commands, compute, write, compute, access);
     record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);
@@ -441,7 +457,7 @@ static void record_resolve(view *v, VkCommandBuffer commands, const velum_view_f
 }
 
 static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, const velum_view_frame *f,
-                          const history_turn *history, bool layered, uint32_t counter, uint32_t query) {
+                          bool tiles_begin, const view_passes *passes, uint32_t counter, uint32_t query) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
@@ -454,21 +470,18 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
     const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0};
     g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof no_places, no_places);
-    if (history->tiles_begin) {
+    if (tiles_begin) {
         /* As restless as can be, and no frame. */
         g->CmdFillBuffer(commands, v->rays.buffer, 0, VK_WHOLE_SIZE, UINT32_MAX);
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    const pass resolve =
-        (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
-               (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
-    record_march(v, commands, block);
+    record_march(v, commands, block, passes);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 1 : FRAME_QUERIES);
-    record_resolve(v, commands, f, resolve);
+    record_resolve(v, commands, f, passes->resolve);
     frame_timestamp(e, commands, query < FRAME_QUERIES ? query + 2 : FRAME_QUERIES);
     VkBufferCopy copy = {at, at, 16};
     g->CmdCopyBuffer(commands, e->counters.buffer, e->now->counters.buffer, 1, &copy);
@@ -511,7 +524,9 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     velum_plan plan = y->plan;
     const history_turn history = history_take(v, (f.flags & VELUM_VIEW_CUT) != 0, &now, &plan);
     const block_size side = block_of(plan.ray_rate);
-    if (!view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
+    const view_passes passes = passes_of(y, &history, im.layers != 0);
+    if (!make_passes(e, &passes, &f) ||
+        !view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
         return gpu_result(&e->g);
     }
     velum_view_block block;
@@ -526,7 +541,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         gpu_image_make_general(&e->g, commands, own[i]);
     }
     uint32_t query = frame_queries(e, 3);
-    record_passes(v, commands, &block, &f, &history, im.layers != 0, counter, query);
+    record_passes(v, commands, &block, &f, history.tiles_begin, &passes, counter, query);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
                                                         .is_governed = y->is_governed,
