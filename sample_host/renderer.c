@@ -160,7 +160,6 @@ static void fill_arguments(struct renderer *renderer, struct renderer_channel *c
         arguments.sky_lx[i] = lighting->daylight.sky_lx[i];
         arguments.albedo[i] = scenario->ground_albedo[i];
     }
-    arguments.sun[3] = 1;
     arguments.albedo[3] = scenario->atmosphere_none ? 0 : pattern_strength(scenario->ground_albedo);
     arguments.region_cell[3] = request->exposure;
     arguments.wood_cell[3] = 1 / channel->frame.luminance_scale;

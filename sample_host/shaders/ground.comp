@@ -162,13 +162,16 @@ void main() {
         vec3 normal = normalize(view.gradient.xyz + stretched * (depth * view.surface.y));
         float facing = max(-dot(direction, normal), 0.002);
         vec3 albedo = view.albedo.rgb;
-        if (view.albedo.w > 0.0) {
-            albedo *= mix(vec3(1.0), pattern(position, depth * view.surface.w / facing), view.albedo.w);
+        // Not of uniforms alone: for such a condition Mesa's software device makes the shader anew in every frame, and
+        // keeps them all.
+        float strength = depth > 0.0 ? view.albedo.w : 0.0;
+        if (strength > 0.0) {
+            albedo *= mix(vec3(1.0), pattern(position, depth * view.surface.w / facing), strength);
         }
         float sun_cosine = dot(normal, view.sun.xyz);
         vec3 light = view.sky_lx.rgb;
         if (sun_cosine > 0.0) {
-            float shadow = view.sun.w > 0.0 ? velum_shadow(position + view.shadow_offset.xyz) : 1.0;
+            float shadow = velum_shadow(position + view.shadow_offset.xyz);
             light += view.sun_lx.rgb * (sun_cosine * shadow);
         }
         luminance = min(albedo, vec3(1.0)) * light / PI;

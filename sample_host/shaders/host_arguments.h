@@ -24,7 +24,7 @@
     HOST_VEC4(gradient);      /* g; w: tan_top */                                                                      \
     HOST_VEC4(surface);       /* (a/b)^2, 1/a, C, angular size of a pixel (rad) */                                     \
     HOST_VEC4(shadow_offset); /* eye - origin of the shadow map */                                                     \
-    HOST_VEC4(sun);           /* towards the sun; w: 1 with a shadow map */                                            \
+    HOST_VEC4(sun);           /* towards the sun */                                                                    \
     HOST_VEC4(sun_lx);        /* through clear air, facing the sun */                                                  \
     HOST_VEC4(sky_lx);        /* on level ground */                                                                    \
     HOST_VEC4(albedo);        /* w: strength of the pattern */                                                         \
