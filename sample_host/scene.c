@@ -143,6 +143,12 @@ static bool add_cover(struct scene *scene, double lat_deg, double lon_deg, doubl
 bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, double height_m, double time_s,
                        struct cloud_cover *out) {
     static const double step_deg = 0.033, radius_steps = 4;
+    struct cover_answer *newest = &scene->cover;
+    if (newest->is_known && newest->lat_deg == place->lat_deg && newest->lon_deg == place->lon_deg &&
+        newest->height_m == height_m && newest->time_s == time_s) {
+        *out = newest->cover;
+        return true;
+    }
     double weights = 0;
     double row_0 = floor(place->lat_deg / step_deg);
     *out = (struct cloud_cover){0, 0};
@@ -165,5 +171,11 @@ bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, 
     }
     out->coverage /= weights;
     out->optical_depth /= weights;
+    *newest = (struct cover_answer){.is_known = true,
+                                    .lat_deg = place->lat_deg,
+                                    .lon_deg = place->lon_deg,
+                                    .height_m = height_m,
+                                    .time_s = time_s,
+                                    .cover = *out};
     return true;
 }

@@ -9,12 +9,20 @@
 #include <stdbool.h>
 #include <velum_weather/weather.h>
 
+/* The newest answer of scene_cloud_cover: frames that settle ask the same again. */
+struct cover_answer {
+    bool is_known;
+    double lat_deg, lon_deg, height_m, time_s;
+    struct cloud_cover cover;
+};
+
 struct scene {
     velum_scenario *scenario;
     struct plugin plugin;
     velum_world *world;
     bool has_pose; /* of the command line: stands for the scenario's camera */
     velum_scenario_camera pose;
+    struct cover_answer cover;
 };
 
 /* Where the eye is, and its axes in ECEF. */
