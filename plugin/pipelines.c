@@ -299,8 +299,8 @@ static bool create_listed(pipeline_list *list, gpu *g) {
     return gpu_check(g, (VkResult)atomic_load(&list->result), "CreateComputePipelines", __FILE__, __LINE__);
 }
 
-/* Those that are made when they are first asked for, and those that nothing asks for. Software devices compile at a
- * pipeline's first dispatch: made earlier, it costs as much and saves nothing. */
+/* Those that are made when they are first asked for, and those that nothing asks for. Mesa's software device
+ * compiles at a pipeline's first dispatch: made earlier, it costs as much and saves nothing. */
 static bool is_left_out(const gpu *g, pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);

@@ -153,7 +153,7 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
         return check.result;
     }
     static const pass needed[] = {PASS_AIR, PASS_GLOW, PASS_SKY};
-    if (!pipelines_need(&e->passes, &e->g, needed, sizeof needed / sizeof needed[0])) {
+    if (count > 0 && !pipelines_need(&e->passes, &e->g, needed, sizeof needed / sizeof needed[0])) {
         return gpu_result(&e->g);
     }
     velum_result result = record_begin(e, commands);
