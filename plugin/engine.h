@@ -77,7 +77,7 @@ typedef struct pipelines {
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays);
 /* Invocations of a work group of PASS_REFERENCE: on software devices one thread's vector. */
 uint32_t pipelines_reference_lanes(const gpu *g);
-/* [render] Makes what is not there yet of passes that a frame dispatches. False: the device refuses. */
+/* [control, render] Makes what is not there yet of these. False: the device refuses. */
 bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count);
 /* [control] Of VELUM_EYE_STUDY, if they are not there yet. */
 velum_result pipelines_add_study(pipelines *p, gpu *g);

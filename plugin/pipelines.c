@@ -299,14 +299,29 @@ static bool create_listed(pipeline_list *list, gpu *g) {
     return gpu_check(g, (VkResult)atomic_load(&list->result), "CreateComputePipelines", __FILE__, __LINE__);
 }
 
-/* Those that are made when they are first asked for, and those that nothing asks for. Mesa's software device
- * compiles at a pipeline's first dispatch: made earlier, it costs as much and saves nothing. */
-static bool is_left_out(const gpu *g, pass which, bool arrays) {
+/* Those that are made with the first eye that wants them, and those that nothing asks for. */
+static bool is_left_out(pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);
-    return gpu_is_software(g) || is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
+    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
            (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
+}
+
+bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count) {
+    pipeline_list list = {.p = p, .g = g};
+    for (uint32_t i = 0; i < count; i++) {
+        if (!p->pipeline[needed[i]]) {
+            list.which[list.count++] = needed[i];
+        }
+    }
+    return list.count == 0 || create_listed(&list, g);
+}
+
+/* Before a frame needs them. Mesa's software device compiles at a pipeline's first dispatch: made earlier, it costs as
+ * much and saves nothing. */
+static bool make_early(pipelines *p, gpu *g, const pass *which, uint32_t count) {
+    return gpu_is_software(g) || pipelines_need(p, g, which, count);
 }
 
 VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t slots, bool fringed) {
@@ -355,13 +370,14 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->linear) &&
          create_sampler(g, VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT, &p->repeat) &&
          create_sampler(g, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, &p->nearest);
-    pipeline_list list = {.p = p, .g = g};
+    pass which[PASS_COUNT];
+    uint32_t count = 0;
     for (uint32_t i = 0; i < PASS_REFERENCE; i++) {
-        if (!is_left_out(g, (pass)i, arrays)) {
-            list.which[list.count++] = (pass)i;
+        if (!is_left_out((pass)i, arrays)) {
+            which[count++] = (pass)i;
         }
     }
-    ok = ok && create_listed(&list, g);
+    ok = ok && make_early(p, g, which, count);
     if (!ok) {
         pipelines_finish(p, g);
         return gpu_result(g);
@@ -369,25 +385,15 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
     return VELUM_OK;
 }
 
-bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count) {
-    pipeline_list list = {.p = p, .g = g};
-    for (uint32_t i = 0; i < count; i++) {
-        if (!p->pipeline[needed[i]]) {
-            list.which[list.count++] = needed[i];
-        }
-    }
-    return list.count == 0 || create_listed(&list, g);
-}
-
 velum_result pipelines_add_study(pipelines *p, gpu *g) {
-    pipeline_list list = {.p = p, .g = g};
+    pass which[PASS_VARIANTS];
+    uint32_t count = 0;
     for (uint32_t kind = 0; kind < PASS_VARIANTS; kind++) {
-        const pass which = (pass)(PASS_MARCH_STUDY + kind);
-        if (!(kind & PASS_CLOSED) && !p->pipeline[which]) {
-            list.which[list.count++] = which;
+        if (!(kind & PASS_CLOSED)) {
+            which[count++] = (pass)(PASS_MARCH_STUDY + kind);
         }
     }
-    return create_listed(&list, g) ? VELUM_OK : gpu_result(g);
+    return make_early(p, g, which, count) ? VELUM_OK : gpu_result(g);
 }
 
 velum_result pipelines_add_reference(pipelines *p, gpu *g) {
@@ -397,13 +403,8 @@ velum_result pipelines_add_reference(pipelines *p, gpu *g) {
     bool ok = p->set_reference || create_set_layout(g, types, VELUM_BIND_REFERENCE_COUNT, &p->set_reference);
     const VkDescriptorSetLayout sets[2] = {p->set_engine, p->set_reference};
     ok = ok && (p->layout_reference || create_layout(g, sets, 2, &p->layout_reference));
-    pipeline_list list = {.p = p, .g = g};
-    for (uint32_t i = PASS_REFERENCE_RESOLVE; i < PASS_COUNT; i++) {
-        if (!p->pipeline[i]) {
-            list.which[list.count++] = (pass)i;
-        }
-    }
-    ok = ok && create_listed(&list, g);
+    static const pass which[] = {PASS_REFERENCE_RESOLVE, PASS_REFERENCE_RESOLVE_LAYERED, PASS_REFERENCE_ERROR};
+    ok = ok && pipelines_need(p, g, which, sizeof which / sizeof which[0]);
     return ok ? VELUM_OK : gpu_result(g);
 }
 
