@@ -10,6 +10,7 @@
 #include "pages.h"
 #include "shared/arguments.h"
 #include "shared/scattering.h"
+#include "sky_key.h"
 #include "tiles.h"
 #include "world.h"
 
@@ -173,11 +174,6 @@ struct engine {
     shadow *shadows, *dead_shadows;
 };
 
-/* What the picture of the sky depends on. */
-typedef struct sky_key {
-    float scaled[4], position[4], up[4], sun[4], sun_lx[4], ground[4], shades[VELUM_SHADE_LEVELS][4], haze[4];
-} sky_key;
-
 /* Of the clouds about an eye. */
 typedef struct cloud_wind {
     float m_s[VELUM_SHADE_LEVELS][3]; /* at the levels of shared/shade.h; ECEF */
@@ -196,8 +192,9 @@ struct eye {
     uint64_t last_serial; /* that uses its device objects */
     tiles tiles;
     gpu_image sky;
-    sky_key sky_key;
-    bool sky_ready;
+    sky_key sky_made, sky_wanted; /* for what it was drawn; the newest frame's */
+    uint32_t sky_rests;           /* frames in a row that want the same */
+    uint32_t sky_count;           /* drawn so far */
     /* of the newest frame */
     uint64_t frame; /* engine's count; 0: none */
     bool reset;

@@ -15,8 +15,6 @@
 #define JUMP_S 5.0
 #define JUMP_M 1000.0
 #define JUMP_M_S 12000.0
-/* Simulations slower than the display repeat each pose for a few frames: fewer than these. */
-#define REPEATS_MOST 16
 /* Of the plan's rays in every pixel before a view stands; pixels a frame that cloud may drift there. */
 #define STANDING_ROUNDS 3
 #define STANDING_PIXELS 0.5

@@ -4,6 +4,9 @@
 
 #include "engine.h"
 
+/* Simulations slower than the display repeat each pose for a few frames: fewer than these. */
+#define REPEATS_MOST 16
+
 typedef enum history_way {
     HISTORY_MOVES, /* all of it is handed on to where it stands now */
     HISTORY_RESTS, /* pixel by pixel */

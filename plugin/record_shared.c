@@ -3,6 +3,7 @@
 
 #include "blocks.h"
 #include "handle.h"
+#include "history.h"
 
 tiles_context record_tiles_context(engine *e, uint32_t *budget, VkBufferCopy *copies, uint32_t copy_capacity) {
     return (tiles_context){.w = e->w,
@@ -106,16 +107,11 @@ static bool read_eyes(checker *check, engine *e, const velum_eye_frame *eyes, ui
 
 static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     const velum_eye_block *b = &y->block;
-    sky_key key = {.haze = {b->drift[1], b->drift[2], b->drift[3], b->span[2]}};
-    memcpy(key.scaled, b->scaled, sizeof key.scaled);
-    memcpy(key.position, b->position, sizeof key.position);
-    memcpy(key.up, b->up, sizeof key.up);
-    memcpy(key.sun, b->sun, sizeof key.sun);
-    memcpy(key.sun_lx, b->sun_lx, sizeof key.sun_lx);
-    memcpy(key.ground, b->ground, sizeof key.ground);
-    memcpy(key.shades, b->shades, sizeof key.shades);
-    bool sky = !y->sky_ready || memcmp(&key, &y->sky_key, sizeof key) != 0;
-    if (!sky) {
+    const sky_key key = sky_key_of(b);
+    y->sky_rests = sky_key_same(&key, &y->sky_wanted) ? y->sky_rests + 1 : 0;
+    y->sky_wanted = key;
+    const bool moves = y->sky_rests < REPEATS_MOST && !y->reset;
+    if (y->sky_count > 0 && (sky_key_same(&y->sky_made, &key) || (moves && sky_key_near(&y->sky_made, &key)))) {
         return true;
     }
     velum_shadow_block none = {0};
@@ -133,8 +129,8 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
         e->air_ready = true;
     }
     record_dispatch(e, commands, PASS_SKY, VELUM_SKY_COLUMNS, VELUM_SKY_H);
-    y->sky_key = key;
-    y->sky_ready = true;
+    y->sky_made = key;
+    y->sky_count++;
     return true;
 }
 

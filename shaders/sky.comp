@@ -14,9 +14,8 @@ float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
     float end = air.leave_m;
     if (to_ground) {
         float ground = ground_distance(o, d);
-        if (ground >= 0.0) {
-            end = ground;
-        }
+        /* On the horizon a ray may just miss: it ends where it is lowest. */
+        end = ground >= 0.0 ? ground : 0.5 * (air.enter_m + air.leave_m);
     }
     return max(end - start, 0.0);
 }

@@ -60,6 +60,8 @@ uint64_t fixture_weather_bytes(velum_engine *engine);
 uint64_t fixture_view_bytes(velum_view *view);
 /* Drawn since it was made. */
 uint64_t fixture_shadow_texels(velum_shadow *map);
+/* For that eye. */
+uint32_t fixture_skies_drawn(velum_eye *eye);
 /* From here on its device has none, as far as eyes know. */
 void fixture_forget_timestamps(velum_engine *engine);
 

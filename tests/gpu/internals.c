@@ -26,6 +26,12 @@ uint64_t fixture_shadow_texels(velum_shadow *handle) {
     return s->texels_drawn;
 }
 
+uint32_t fixture_skies_drawn(velum_eye *handle) {
+    eye *y = handle_get(handle, HANDLE_EYE);
+    assert_non_null(y);
+    return y->sky_count;
+}
+
 void fixture_forget_timestamps(velum_engine *handle) {
     engine *e = handle_get(handle, HANDLE_ENGINE);
     assert_non_null(e);

@@ -1,0 +1,122 @@
+/* An eye in motion keeps its sky until a change would show; at rest it has the exact one. */
+#include <math.h>
+#include <string.h>
+
+#include "fixture.h"
+
+enum { W = 48, H = 36, PIXELS = W * H, FRAMES = 60, REST = 20 };
+#define FRAME_S (1.0 / 60.0)
+#define SPEED_M_S 250.0
+
+typedef struct flight {
+    double height_m, climb_m_s, sun_deg, sun_deg_s;
+} flight;
+
+typedef struct rig {
+    fixture f;
+    velum_eye *eyes[2]; /* one that keeps its sky; one that has it drawn in every frame */
+    velum_view *views[2];
+    float light[2][PIXELS * 3];
+} rig;
+
+static void rig_init(rig *r) {
+    memset(r, 0, sizeof *r);
+    fixture_init(&r->f, false);
+    fixture_commit(&r->f, NULL, 0);
+    r->eyes[0] = r->f.eye;
+    const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = VELUM_QUALITY_MEDIUM};
+    assert_int_equal(r->f.engine_api->create_eye(r->f.engine, &desc, &r->eyes[1]), VELUM_OK);
+    for (int k = 0; k < 2; k++) {
+        r->views[k] = fixture_view(&r->f, r->eyes[k], W, H);
+    }
+}
+
+static void rig_finish(rig *r) {
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(r->f.engine_api->destroy_view(r->views[k]), VELUM_OK);
+    }
+    assert_int_equal(r->f.engine_api->destroy_eye(r->eyes[1]), VELUM_OK);
+    fixture_finish(&r->f);
+}
+
+static void draw(rig *r, const flight *at, double time_s) {
+    const double rad = acos(-1.0) / 180.0;
+    const double lat_deg = 50.0 + SPEED_M_S * time_s / 111200.0;
+    double east[3], north[3], up[3], sun[3], forward[3], position[3];
+    fixture_axes(50.0, 8.5, east, north, up);
+    const double elevation = (at->sun_deg + at->sun_deg_s * time_s) * rad;
+    for (int i = 0; i < 3; i++) {
+        sun[i] = sin(elevation) * up[i] + cos(elevation) * (0.6 * east[i] + 0.8 * north[i]);
+        forward[i] = 0.995 * north[i] + sqrt(1.0 - 0.995 * 0.995) * up[i];
+    }
+    fixture_position(lat_deg, 8.5, at->height_m + at->climb_m_s * time_s, position);
+    const velum_frame_info frame = fixture_frame(sun, time_s, VELUM_ATMOSPHERE_EARTH);
+    const velum_view_frame camera = fixture_camera(position, forward, east, 1.2f, 0.9f);
+    velum_eye_frame eyes[2];
+    velum_pixels pixels[2];
+    for (int k = 0; k < 2; k++) {
+        eyes[k] =
+            (velum_eye_frame){.struct_size = sizeof eyes[k], .flags = k == 1 ? VELUM_EYE_RESET : 0, .eye = r->eyes[k]};
+        memcpy(eyes[k].position_ecef_m, position, sizeof position);
+        pixels[k] = (velum_pixels){.struct_size = sizeof pixels[k],
+                                   .view = r->views[k],
+                                   .frame = &camera,
+                                   .luminance_rgb = r->light[k],
+                                   .width = W,
+                                   .height = H};
+    }
+    if (r->f.standalone_api->render(r->f.engine, &frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
+        fail_msg("%s", r->f.newest);
+    }
+}
+
+/* Greatest difference of a pixel, of the exact one. */
+static double apart(const rig *r) {
+    double most = 0.0;
+    for (int i = 0; i < PIXELS * 3; i++) {
+        most = fmax(most, fabs((double)r->light[0][i] / (double)r->light[1][i] - 1.0));
+    }
+    return most;
+}
+
+static void fly(const char *name, const flight *path, double most) {
+    static rig r;
+    rig_init(&r);
+    const uint32_t before = fixture_skies_drawn(r.eyes[0]);
+    double off = 0.0;
+    for (int i = 0; i < FRAMES; i++) {
+        draw(&r, path, i * FRAME_S);
+        off = fmax(off, apart(&r));
+    }
+    const uint32_t drawn = fixture_skies_drawn(r.eyes[0]) - before;
+    print_message("%s: %u skies in %d frames, %.4f apart at most\n", name, drawn, (int)FRAMES, off);
+    assert_in_range(drawn, 1, FRAMES / 2);
+    assert_true(off < most);
+    for (int i = 0; i < REST; i++) {
+        draw(&r, path, FRAMES * FRAME_S);
+    }
+    assert_memory_equal(r.light[0], r.light[1], sizeof r.light[0]);
+    rig_finish(&r);
+}
+
+static void a_kept_sky_is_the_sky(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        flight path;
+        double most;
+    } cases[] = {
+        {"level at noon", {3000.0, 0.0, 60.0, 0.004}, 0.01},
+        {"climbing at sunset", {1500.0, 10.0, 2.0, -0.004}, 0.01},
+        {"in twilight", {600.0, 1.0, -4.0, -0.004}, 0.01},
+        {"above the air", {400000.0, 100.0, 20.0, 0.06}, 0.01},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        fly(cases[i].name, &cases[i].path, cases[i].most);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_kept_sky_is_the_sky)};
+    return cmocka_run_group_tests_name("gpu sky", tests, NULL, NULL);
+}
