@@ -6,7 +6,7 @@
 #include <math.h>
 
 static const double DEG = 0.017453292519943295;
-static const float ICE_RADIUS_UM = 40; /* within 25..100, the range of Hess et al. (1998) for cirrus */
+static const float ICE_RADIUS_UM = 57.4f; /* cirrus at -50 C: Hess et al. 1998 */
 static const double MOST_WIND_M_S = 125;
 enum { MAX_LAYERS = 16 };
 
