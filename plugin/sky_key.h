@@ -14,8 +14,8 @@ typedef struct sky_key {
 
 sky_key sky_key_of(const velum_eye_block *eye);
 bool sky_key_same(const sky_key *a, const sky_key *b);
-/* Whether the sky made for one is the other's to some thousandths of its luminance. Sun and horizon themselves need not
- * agree: who reads the picture asks by the angles from them. */
+/* Whether the sky made for one is the other's to a hundredth of its luminance, mostly to some thousandths. Sun and
+ * horizon themselves need not agree: who reads the picture asks by the angles from them. */
 bool sky_key_near(const sky_key *made, const sky_key *wanted);
 
 #endif

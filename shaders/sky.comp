@@ -7,6 +7,15 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
 
+/* A level direction towards the sun; in its zenith, any. */
+vec3 towards_sun(vec3 up) {
+    vec3 side = eye.sun.xyz - up * dot(eye.sun.xyz, up);
+    if (dot(side, side) < 1e-10) {
+        side = abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0));
+    }
+    return normalize(side);
+}
+
 /* Distance through the air, or to the ground: where the ray from o leaves or ends; start is where it enters. */
 float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
     velum_span air = velum_sphere_span(eye_geometry(), o.x, o.y, o.z, d.x, d.y, d.z, VELUM_AIR_TOP_M);
@@ -26,7 +35,7 @@ vec3 ambient(int index) {
     float height_m = velum_shade_height_m(index % VELUM_SHADE_LEVELS);
     vec3 up = eye.up.xyz;
     vec3 o = up * (max(height_m, 10.0) - eye.up.w);
-    vec3 side = normalize(abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0)));
+    vec3 side = towards_sun(up);
     vec3 across = cross(up, side);
     float mu_sun = dot(up, eye.sun.xyz);
     /* Onto the ground, and onto the clouds below, which stand about half way to it. */
@@ -82,11 +91,7 @@ void main() {
             zenith = edge * (1.0 - y * y);
         }
         float azimuth = place.x * place.x * PI;
-        vec3 sun_side = eye.sun.xyz - up * dot(eye.sun.xyz, up);
-        if (dot(sun_side, sun_side) < 1e-10) {
-            sun_side = abs(up.z) < 0.9 ? cross(up, vec3(0.0, 0.0, 1.0)) : cross(up, vec3(1.0, 0.0, 0.0));
-        }
-        sun_side = normalize(sun_side);
+        vec3 sun_side = towards_sun(up);
         vec3 across = cross(up, sun_side);
         vec3 d = up * cos(zenith) + (sun_side * cos(azimuth) + across * sin(azimuth)) * sin(zenith);
         float start;

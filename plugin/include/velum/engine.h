@@ -93,8 +93,9 @@ typedef struct velum_frame_info {
     int32_t atmosphere;           /* VELUM_ATMOSPHERE_* */
 } velum_frame_info;
 
-/* One eye in a frame. Its sky is drawn anew when a change since the last time would show (by some thousandths of its
- * luminance), and exactly with VELUM_EYE_RESET or where nothing that it depends on has changed for 16 frames. */
+/* One eye in a frame. Its sky is drawn anew when a change since the last time would show (by a hundredth of its
+ * luminance at most), and exactly with VELUM_EYE_RESET or where nothing that it depends on has changed for 16 frames.
+ */
 typedef struct velum_eye_frame {
     uint32_t struct_size;
     uint32_t flags; /* VELUM_EYE_RESET */

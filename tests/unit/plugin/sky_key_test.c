@@ -44,10 +44,9 @@ static void small_changes_do_not_show(void **state) {
         float *at;
         float small, great;
     } changes[] = {
-        {&now.up[3], 2.0f, 5.0f},      {&now.sun_lx[1], 100.0f, 1000.0f}, {&now.ground[0], 1e-4f, 1e-2f},
-        {&now.ground[3], 0.0f, -1.0f}, {&now.shades[7][0], 5e-4f, 5e-3f}, {&now.shades[31][1], 5e-5f, 1e-3f},
-        {&now.drift[1], 0.0f, 1e-5f},  {&now.drift[2], 0.05f, 1.0f},      {&now.drift[3], 2e-8f, 1e-6f},
-        {&now.span[2], 0.5f, 5.0f},
+        {&now.up[3], 2.0f, 5.0f},      {&now.sun_lx[1], 100.0f, 1000.0f}, {&now.ground[0], 5e-5f, 1e-2f},
+        {&now.ground[3], 0.0f, -1.0f}, {&now.shades[7][0], 3e-4f, 5e-3f}, {&now.shades[31][1], 5e-6f, 1e-3f},
+        {&now.drift[1], 0.0f, 1e-5f},  {&now.drift[3], 1e-8f, 1e-6f},     {&now.span[2], 0.5f, 5.0f},
     };
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         const float before = *changes[i].at;
@@ -80,28 +79,45 @@ static void the_sun_counts_by_its_height(void **state) {
     }
 }
 
-static void fog_and_the_ground_are_told_by_the_metre(void **state) {
+static void fog_and_the_ground_count_by_small_steps(void **state) {
     (void)state;
     velum_eye_block made = noon();
     made.drift[1] = 0.01f;
-    made.up[3] = 250.0f;
+    made.up[3] = 150.0f;
     velum_eye_block now = made;
     now.up[3] += 0.3f;
     assert_false(still_does(&made, &now));
-    made.up[3] += 100.0f;
-    now.up[3] += 100.0f;
+    made.up[3] += 200.0f;
+    now.up[3] += 200.0f;
     assert_true(still_does(&made, &now));
     made.up[3] = 2.0f;
-    now.up[3] = 2.1f;
+    now.up[3] = 2.05f;
+    assert_false(still_does(&made, &now));
+    now.up[3] = 2.01f;
+    assert_true(still_does(&made, &now));
+    now.drift[2] += 1.0f;
+    assert_false(still_does(&made, &now));
+    made.drift[1] = now.drift[1] = 0.0f; /* no fog: its top is nothing */
+    assert_true(still_does(&made, &now));
+}
+
+/* Seen from orbit the rim of the air turns with the eye's height. */
+static void from_orbit_the_horizon_counts(void **state) {
+    (void)state;
+    velum_eye_block made = noon();
+    made.up[3] = 400000.0f;
+    velum_eye_block now = made;
+    now.up[3] += 30.0f;
+    assert_true(still_does(&made, &now));
+    now.up[3] += 300.0f;
     assert_false(still_does(&made, &now));
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sky_does_for_itself),
-        cmocka_unit_test(small_changes_do_not_show),
-        cmocka_unit_test(the_sun_counts_by_its_height),
-        cmocka_unit_test(fog_and_the_ground_are_told_by_the_metre),
+        cmocka_unit_test(a_sky_does_for_itself),         cmocka_unit_test(small_changes_do_not_show),
+        cmocka_unit_test(the_sun_counts_by_its_height),  cmocka_unit_test(fog_and_the_ground_count_by_small_steps),
+        cmocka_unit_test(from_orbit_the_horizon_counts),
     };
     return cmocka_run_group_tests_name("sky key", tests, NULL, NULL);
 }
