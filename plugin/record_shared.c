@@ -110,9 +110,9 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
     const sky_key key = sky_key_of(b);
     y->sky_rests = sky_key_same(&key, &y->sky_wanted) ? y->sky_rests + 1 : 0;
     y->sky_wanted = key;
-    const bool moves = y->sky_rests < REPEATS_MOST;
-    if (y->sky_count > 0 && !y->reset &&
-        (sky_key_same(&y->sky_made, &key) || (moves && sky_key_near(&y->sky_made, &key)))) {
+    const bool still_does =
+        y->sky_rests < REPEATS_MOST ? sky_key_near(&y->sky_made, &key) : sky_key_same(&y->sky_made, &key);
+    if (y->sky_count > 0 && !y->reset && still_does) {
         return true;
     }
     velum_shadow_block none = {0};

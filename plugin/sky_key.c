@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "shared/air.h"
-#include "shared/planet.h"
 
 /* Of what light and air are multiplied by; and what of it counts as nothing. */
 #define NEAR_SHARE 0.001f
@@ -66,8 +65,8 @@ static double sun_zenith_rad(const sky_key *k) {
     return atan2(sqrt(x * x + y * y + z * z), u[0] * s[0] + u[1] * s[1] + u[2] * s[2]);
 }
 
-static double dip_rad(const sky_key *k) {
-    return acos(VELUM_WGS84_A_M / (VELUM_WGS84_A_M + fmax((double)k->up[3], 0.0)));
+static double horizon_zenith_rad(const sky_key *k) {
+    return acos((double)velum_horizon_mu(k->up[3]));
 }
 
 static float height_step_m(const sky_key *made) {
@@ -85,7 +84,8 @@ static float height_step_m(const sky_key *made) {
 static bool near_place(const sky_key *made, const sky_key *wanted) {
     return within(made->up[0], wanted->up[0], NEAR_UP) && within(made->up[1], wanted->up[1], NEAR_UP) &&
            within(made->up[2], wanted->up[2], NEAR_UP) && within(made->up[3], wanted->up[3], height_step_m(made)) &&
-           (made->up[3] < VELUM_AIR_TOP_M || fabs(dip_rad(made) - dip_rad(wanted)) <= NEAR_DIP_RAD);
+           (made->up[3] < VELUM_AIR_TOP_M ||
+            fabs(horizon_zenith_rad(made) - horizon_zenith_rad(wanted)) <= NEAR_DIP_RAD);
 }
 
 bool sky_key_near(const sky_key *made, const sky_key *wanted) {

@@ -27,9 +27,10 @@ static float ice_water_g_m3(float temperature_k) {
     return expf(-7.6f + 4.0f * expf(-0.2443e-3f * powf(below_253, 2.445f)));
 }
 
-/* Effective radius of ice: a line through cirrus at -25 C (92 um) and at -50 C (57.4 um) of Hess et al. 1998. */
+/* Effective radius of ice: a line through cirrus at -25 C (92 um) and at -50 C of Hess et al. 1998. */
 static float ice_radius_um(float temperature_k) {
-    return fminf(fmaxf(92.0f + (temperature_k - 248.15f) * (92.0f - 57.4f) / 25.0f, 25.0f), 100.0f);
+    return fminf(fmaxf(92.0f + (temperature_k - 248.15f) * (92.0f - WEATHER_COLD_ICE_RADIUS_UM) / 25.0f, 25.0f),
+                 100.0f);
 }
 
 void weather_genus_fill(velum_layer *layer, float temperature_k, float base_temperature_k, float source_g_m3) {

@@ -9,6 +9,9 @@
 /* Colder than this in the middle, a layer is ice. Cumulus and cumulonimbus go by their base. */
 #define WEATHER_ICE_TEMPERATURE_K 258.15f
 
+/* Effective radius of ice in cirrus at -50 C: Hess et al. 1998. */
+#define WEATHER_COLD_ICE_RADIUS_UM 57.4f
+
 typedef struct weather_genus {
     float water_g_m3;     /* typical, liquid */
     float water_min_g_m3; /* bounds of what a source may say, liquid */

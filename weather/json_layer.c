@@ -6,7 +6,6 @@
 #include <math.h>
 
 static const double DEG = 0.017453292519943295;
-static const float ICE_RADIUS_UM = 57.4f; /* cirrus at -50 C: Hess et al. 1998 */
 static const double MOST_WIND_M_S = 125;
 enum { MAX_LAYERS = 16 };
 
@@ -26,7 +25,7 @@ void json_layer_defaults(int32_t genus, int32_t water, velum_layer *layer) {
     layer->water = water;
     layer->water_g_m3 =
         water == VELUM_WATER_ICE ? sqrtf(typical->ice_min_g_m3 * typical->ice_max_g_m3) : typical->water_g_m3;
-    layer->radius_um = water == VELUM_WATER_ICE ? ICE_RADIUS_UM : typical->radius_um;
+    layer->radius_um = water == VELUM_WATER_ICE ? WEATHER_COLD_ICE_RADIUS_UM : typical->radius_um;
 }
 
 /* "wind_from_deg" and "wind_m_s": both or neither. *given: 1 if they are there. */
