@@ -8,16 +8,25 @@ core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, con
                               .drifting = drift->weight[0] > 0.0f && drift->weight[1] > 0.0f,
                               .stretch = velum_noise_of((int)slot).stretch,
                               .fine_stretch = velum_noise_of((int)slot).fine_stretch,
+                              .origin_m = {(float)origin_ecef_m[0], (float)origin_ecef_m[1], (float)origin_ecef_m[2]},
                               .slot = (int)slot};
     core_slot_phases_at(slot, origin_ecef_m, drift, &cloud.phases);
     return cloud;
 }
 
 static velum_noise_point place_in(const core_cloud_noise *cloud, const velum_slot_fields *f, const float *phase,
-                                  float stretch, int life, const float point_m[3]) {
-    float tau_s = cloud->tau_s[life];
-    return velum_noise_place(phase[0], phase[1], phase[2], phase[3], stretch, point_m[0] - f->wind_x_m_s * tau_s,
-                             point_m[1] - f->wind_y_m_s * tau_s, point_m[2] - f->wind_z_m_s * tau_s);
+                                  float stretch, int life, const float point_m[3], velum_noise_point lean) {
+    const float tau_s = cloud->tau_s[life];
+    const float x = point_m[0] - f->wind_x_m_s * tau_s;
+    const float y = point_m[1] - f->wind_y_m_s * tau_s;
+    const float z = point_m[2] - f->wind_z_m_s * tau_s;
+    float across_m = 0.0f;
+    if (cloud->slot == VELUM_SLOT_HIGH) {
+        across_m = velum_north_m(cloud->origin_m[0], cloud->origin_m[1], cloud->origin_m[2], x, y, z) +
+                   velum_waves_m(cloud->origin_m[0] + x, cloud->origin_m[1] + y, cloud->origin_m[2] + z);
+    }
+    return velum_noise_place(phase[0], phase[1], phase[2], phase[3], stretch, across_m, x + lean.x, y + lean.y,
+                             z + lean.z);
 }
 
 /* With one phase alone it is that phase, whichever it is. */
@@ -25,12 +34,13 @@ static int only_life(const core_cloud_noise *cloud) {
     return !cloud->drifting && cloud->weight_1 > 0.5f ? 1 : 0;
 }
 
-float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float foot_m[3]) {
+static float rank_of(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float foot_m[3],
+                     velum_noise_point lean) {
     int life = only_life(cloud);
-    velum_noise_point p = place_in(cloud, fields, cloud->phases.shape[life], cloud->stretch, life, foot_m);
+    velum_noise_point p = place_in(cloud, fields, cloud->phases.shape[life], cloud->stretch, life, foot_m, lean);
     float rank = core_noise_shape(cloud->noise, p.x, p.y, p.z);
     if (cloud->drifting) {
-        p = place_in(cloud, fields, cloud->phases.shape[1], cloud->stretch, 1, foot_m);
+        p = place_in(cloud, fields, cloud->phases.shape[1], cloud->stretch, 1, foot_m, lean);
         rank = velum_rank_mix(rank, core_noise_shape(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
     }
     return rank;
@@ -39,10 +49,10 @@ float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fi
 static float detail_of(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float phases[2][4],
                        float stretch, const float point_m[3]) {
     int life = only_life(cloud);
-    velum_noise_point p = place_in(cloud, fields, phases[life], stretch, life, point_m);
+    velum_noise_point p = place_in(cloud, fields, phases[life], stretch, life, point_m, (velum_noise_point){0});
     float detail = core_noise_detail(cloud->noise, p.x, p.y, p.z);
     if (cloud->drifting) {
-        p = place_in(cloud, fields, phases[1], stretch, 1, point_m);
+        p = place_in(cloud, fields, phases[1], stretch, 1, point_m, (velum_noise_point){0});
         detail = velum_detail_mix(detail, core_noise_detail(cloud->noise, p.x, p.y, p.z), cloud->weight_1);
     }
     return detail;
@@ -68,8 +78,7 @@ static void foot_of(const float point_m[3], const float normal[3], float height_
 static float rank_at(const core_cloud_noise *cloud, const velum_slot_fields *f, const float foot_m[3],
                      const float normal[3], float height_m) {
     const velum_noise_point p = velum_lean(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
-    const float bent_m[3] = {foot_m[0] + p.x, foot_m[1] + p.y, foot_m[2] + p.z};
-    return core_cloud_rank(cloud, f, bent_m);
+    return rank_of(cloud, f, foot_m, p);
 }
 
 static const float unmoved_m[3] = {0.0f, 0.0f, 0.0f};

@@ -18,14 +18,14 @@ typedef struct core_cloud_noise {
     float weight_1; /* of drift phase 1 */
     bool drifting;  /* both phases have weight */
     float stretch, fine_stretch;
+    float origin_m[3]; /* ECEF */
     int slot;
 } core_cloud_noise;
 
 core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, const double origin_ecef_m[3],
                                      const core_drift *drift);
 
-/* Rank of the column whose foot (on the ellipsoid) is given. */
-float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float foot_m[3]);
+/* -1..1, and 0..1. */
 float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 

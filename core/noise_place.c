@@ -3,26 +3,33 @@
 #include <math.h>
 
 #include "shared/density.h"
+#include "shared/fibre.h"
 #include "shared/hash.h"
+
+static const double axes[3][3] = {{(double)VELUM_NOISE_AX, (double)VELUM_NOISE_AY, (double)VELUM_NOISE_AZ},
+                                  {(double)VELUM_NOISE_BX, (double)VELUM_NOISE_BY, (double)VELUM_NOISE_BZ},
+                                  {(double)VELUM_NOISE_CX, (double)VELUM_NOISE_CY, (double)VELUM_NOISE_CZ}};
+
+static double along(const double axis[3], const double p[3]) {
+    return axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
+}
+
+static float cyclic(double periods) {
+    float rounded = (float)(periods - floor(periods));
+    return rounded < 1.0f ? rounded : 0.0f;
+}
+
+/* As velum_north_m, from the equator. */
+static double north_m(const double p[3]) {
+    return (double)VELUM_WGS84_A_M * atan2(p[2], hypot(p[0], p[1]));
+}
 
 static void phase_of(uint32_t slot, uint32_t noise, double period_m, double stretch, const double p[3],
                      const float offset[3], float out[4]) {
-    static const double fibre[3] = {(double)VELUM_FIBRE_X, (double)VELUM_FIBRE_Y, (double)VELUM_FIBRE_Z};
-    const double along = (1.0 - stretch) * (fibre[0] * p[0] + fibre[1] * p[1] + fibre[2] * p[2]);
-    double q[3];
-    for (int axis = 0; axis < 3; axis++) {
-        q[axis] = stretch * p[axis] + along * fibre[axis];
-    }
-    const double turned[3] = {
-        (double)VELUM_NOISE_AX * q[0] + (double)VELUM_NOISE_AY * q[1] + (double)VELUM_NOISE_AZ * q[2],
-        (double)VELUM_NOISE_BX * q[0] + (double)VELUM_NOISE_BY * q[1] + (double)VELUM_NOISE_BZ * q[2],
-        (double)VELUM_NOISE_CX * q[0] + (double)VELUM_NOISE_CY * q[1] + (double)VELUM_NOISE_CZ * q[2],
-    };
+    const double q[3] = {stretch * p[0], stretch * p[1], stretch * p[2] + (1.0 - stretch) * north_m(p)};
     for (uint32_t axis = 0; axis < 3; axis++) {
         double own = (double)velum_hash_unit(velum_hash_3(slot, noise, axis));
-        double phase = turned[axis] / period_m + own + (double)offset[axis];
-        float rounded = (float)(phase - floor(phase));
-        out[axis] = rounded < 1.0f ? rounded : 0.0f;
+        out[axis] = cyclic(along(axes[axis], q) / period_m + own + (double)offset[axis]);
     }
     out[3] = (float)(1.0 / period_m);
 }

@@ -164,7 +164,8 @@ float noise_away(vec3 q, float rank) {
 float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slot_fields f, float own_cover, float rank,
                   vec3 r, vec3 normal, float h, float rise, float run, out float slope) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 foot = column_foot(slot, f, r, normal, h);
+    vec3 foot = r - normal * h;
+    vec3 lean = column_lean(slot, f, normal, h);
     float stretch = eye.slots[slot].bounds.z;
     /* Columns reach so high only where their rank is greater: as good on the way down as long as it is short. */
     float thickness = max(s.high - s.base, 1.0);
@@ -173,12 +174,12 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
     float cover_valid = cover < s.cover ? part_side_m(tile) : far_m;
     float foot_rank = 1.0 - cover;
     float threshold = foot_rank + cover * s.reach * pow(z, s.power);
-    vec3 q0 = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
+    vec3 q0 = noise_place(slot, foot - wind * eye.weather.z, lean, eye.slots[slot].shape_0, stretch);
     vec3 q1 = q0;
     slope = noise_slope_at(q0);
     float short_of = threshold - rank;
     if (velum_mixes) {
-        q1 = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
+        q1 = noise_place(slot, foot - wind * eye.weather.w, lean, eye.slots[slot].shape_1, stretch);
         threshold = rank_unmix(min(threshold, 1.0), eye.drift.x);
         foot_rank = rank_unmix(min(foot_rank, 1.0), eye.drift.x);
         short_of = threshold - rank_unmix(rank, eye.drift.x);

@@ -208,7 +208,9 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
         float rank = 0.0;
         float slope = 0.0;
         /* Of noise, over a metre along the ray. */
-        float run = sqrt(max(1.0 - rise * rise, 0.0)) + abs(rise) * velum_lean_slope(slot, f) * eye.slots[slot].bounds.z;
+        float stretch = eye.slots[slot].bounds.z;
+        float run = sqrt(max(1.0 - rise * rise, 0.0)) * velum_noise_run(stretch) +
+                    abs(rise) * velum_lean_slope(slot, f) * stretch;
         beside = 0.0;
         if (slot < VELUM_SLOT_UNIFORM) {
             rank = column_rank(slot, f, r, normal, h);

@@ -159,25 +159,34 @@ velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
     return slot_fields_of(wanted ? table[word] : (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE, place.uv);
 }
 
-vec3 noise_place(vec3 r, vec4 phase, float stretch) {
-    velum_noise_point p = velum_noise_place(phase.x, phase.y, phase.z, phase.w, stretch, r.x, r.y, r.z);
+/* Trails of cirrus follow fibres, however bent: what a column leans by is stretched alone. */
+vec3 noise_place(int slot, vec3 r, vec3 lean, vec4 phase, float stretch) {
+    float across_m = 0.0;
+    if (slot == VELUM_SLOT_HIGH) {
+        across_m = velum_north_m(eye.position.x, eye.position.y, eye.position.z, r.x, r.y, r.z) +
+                   velum_waves_m(eye.position.x + r.x, eye.position.y + r.y, eye.position.z + r.z);
+    }
+    velum_noise_point p = velum_noise_place(phase.x, phase.y, phase.z, phase.w, stretch, across_m, r.x + lean.x, r.y + lean.y,
+                                            r.z + lean.z);
     return vec3(p.x, p.y, p.z);
 }
 
-/* Where the column through r, at height over the ellipsoid, along normal, has its noise; and its rank. */
-vec3 column_foot(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
+/* Where else than over its foot the column through r, at height over the ellipsoid, along normal, has its noise; and its
+ * rank. */
+vec3 column_lean(int slot, velum_slot_fields f, vec3 normal, float height_m) {
     velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y, normal.z);
-    return r - normal * height_m + vec3(lean.x, lean.y, lean.z);
+    return vec3(lean.x, lean.y, lean.z);
 }
 
 float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float height_m) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 foot = column_foot(slot, f, r, normal, height_m);
+    vec3 foot = r - normal * height_m;
+    vec3 lean = column_lean(slot, f, normal, height_m);
     float stretch = eye.slots[slot].bounds.z;
-    vec3 p = noise_place(foot - wind * eye.weather.z, eye.slots[slot].shape_0, stretch);
+    vec3 p = noise_place(slot, foot - wind * eye.weather.z, lean, eye.slots[slot].shape_0, stretch);
     float rank = velum_shape_at(p.x, p.y, p.z);
     if (velum_mixes) {
-        p = noise_place(foot - wind * eye.weather.w, eye.slots[slot].shape_1, stretch);
+        p = noise_place(slot, foot - wind * eye.weather.w, lean, eye.slots[slot].shape_1, stretch);
         rank = velum_rank_mix(rank, velum_shape_at(p.x, p.y, p.z), eye.drift.x);
     }
     return rank;
@@ -186,10 +195,10 @@ float column_rank(int slot, velum_slot_fields f, vec3 r, vec3 normal, float heig
 /* Detail noise, 0..1, at r with the phases of one of its two scales. */
 float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 phase_1, float stretch) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
-    vec3 p = noise_place(r - wind * eye.weather.z, phase_0, stretch);
+    vec3 p = noise_place(slot, r - wind * eye.weather.z, vec3(0.0), phase_0, stretch);
     float n = velum_detail_at(p.x, p.y, p.z);
     if (velum_mixes) {
-        p = noise_place(r - wind * eye.weather.w, phase_1, stretch);
+        p = noise_place(slot, r - wind * eye.weather.w, vec3(0.0), phase_1, stretch);
         n = velum_detail_mix(n, velum_detail_at(p.x, p.y, p.z), eye.drift.x);
     }
     return n;

@@ -96,16 +96,16 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
         }
     } else {
         if (kind < 0.5f) {
-            a = velum_calibration_make(1500.0f, 1.0362f, 0.8187f, -0.0051f, -0.2166f, -0.0112f, 3.0053f, -0.0307f,
-                                       -0.1349f, -0.1752f, 3.6032f, 0.0098f);
-            b = velum_calibration_make(1500.0f, 0.4173f, 0.8635f, -0.0195f, -0.1662f, 0.6149f, 5.1268f, -0.0935f,
-                                       -0.0834f, 0.1085f, 1.2956f, 0.0913f);
+            a = velum_calibration_make(1500.0f, 1.0378f, 0.8151f, -0.0034f, -0.2098f, -0.0183f, 3.0049f, -0.0304f,
+                                       -0.1338f, -0.1761f, 3.5997f, 0.0118f);
+            b = velum_calibration_make(1500.0f, 0.6601f, 1.5462f, -0.0478f, -0.2937f, 0.5972f, 10.5516f, -0.2567f,
+                                       -0.1061f, 0.2284f, 1.3265f, 0.0787f);
             t = 2.0f * kind;
         } else {
-            a = velum_calibration_make(1500.0f, 0.4173f, 0.8635f, -0.0195f, -0.1662f, 0.6149f, 5.1268f, -0.0935f,
-                                       -0.0834f, 0.1085f, 1.2956f, 0.0913f);
-            b = velum_calibration_make(500.0f, 1.2470f, 1.1434f, -0.1239f, -0.4052f, 1.0295f, 6.9692f, -0.5893f,
-                                       -0.2244f, 0.5190f, 1.3568f, 0.0617f);
+            a = velum_calibration_make(1500.0f, 0.6601f, 1.5462f, -0.0478f, -0.2937f, 0.5972f, 10.5516f, -0.2567f,
+                                       -0.1061f, 0.2284f, 1.3265f, 0.0787f);
+            b = velum_calibration_make(500.0f, 1.2510f, 1.1294f, -0.1203f, -0.4181f, 1.0499f, 6.8745f, -0.5838f,
+                                       -0.2271f, 0.5334f, 1.3372f, 0.0756f);
             t = 2.0f * kind - 1.0f;
         }
     }

@@ -39,7 +39,7 @@ VELUM_STRUCT(velum_slot_noise) {
     float shape_period_m;
     float lump_period_m;
     float fine_period_m;
-    float stretch;      /* of the shape across VELUM_FIBRE: below 1 there are fibres */
+    float stretch;      /* of the shape along parallels: below 1 there are fibres (fibre.h) */
     float fine_stretch; /* the same of fine detail */
 };
 
@@ -61,11 +61,11 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
     } else if (slot == VELUM_SLOT_HIGH) {
-        n.shape_period_m = 5000.0f;
+        n.shape_period_m = 2500.0f;
         n.lump_period_m = 1000.0f;
-        n.fine_period_m = 600.0f;
-        n.stretch = 0.18f;
-        n.fine_stretch = 0.1f;
+        n.fine_period_m = 300.0f;
+        n.stretch = 0.06f;
+        n.fine_stretch = 0.06f;
     }
     return n;
 }
@@ -170,10 +170,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         /* Cs: a veil; Ci: fibres; Cc: grains. */
         if (kind < 0.5f) {
             p = velum_profile_blend(velum_profile_make(0.25f, 2.0f, 0.02f, 0.60f, 0.15f, 0.0f, 0.5f, 0.0f, 300.0f),
-                                    velum_profile_make(0.60f, 1.2f, 0.10f, 0.55f, 0.50f, 0.0f, 0.0f, 0.0f, 300.0f),
+                                    velum_profile_make(0.60f, 1.2f, 0.02f, 0.90f, 0.90f, 0.0f, 0.0f, 0.0f, 300.0f),
                                     2.0f * kind);
         } else {
-            p = velum_profile_blend(velum_profile_make(0.60f, 1.2f, 0.10f, 0.55f, 0.50f, 0.0f, 0.0f, 0.0f, 300.0f),
+            p = velum_profile_blend(velum_profile_make(0.60f, 1.2f, 0.02f, 0.90f, 0.90f, 0.0f, 0.0f, 0.0f, 300.0f),
                                     velum_profile_make(0.60f, 1.2f, 0.80f, 0.35f, 0.10f, 0.0f, 0.0f, 0.0f, 40.0f),
                                     2.0f * kind - 1.0f);
         }
@@ -193,11 +193,11 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float fibrous = velum_fibrous(slot, kind);
     if (fibrous > 0.0f) {
         /* Trails cover the more beside their heads the smaller those are: fitted to what velum-calibrate finds from 1
-         * to 6 oktas, over that at 4. */
+         * to 7 oktas, over that at 4. */
         float c = fields.coverage;
-        float heads = velum_mix(1.0f, 0.43f + c + 0.28f * c * c, fibrous);
+        float heads = velum_mix(1.0f, 0.42f + c * (1.82f + c * (1.155f * c - 1.906f)), fibrous);
         p.coverage_scale = p.coverage_scale * heads;
-        p.density_scale = p.density_scale * velum_mix(1.0f, 0.93f + 0.14f * c, fibrous) / heads;
+        p.density_scale = p.density_scale * velum_mix(1.0f, 0.909f + c * (0.255f - 0.147f * c), fibrous) / heads;
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
     }
     if (slot == VELUM_SLOT_STORM) {
@@ -290,24 +290,5 @@ VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_o
 VELUM_FN float velum_body(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine) {
     return velum_body_over(p, e, z, height_over_base_m, lump, fine, 0.0f);
 }
-
-/* Noise coordinates: a fixed rotation, so that the texture's axes lie along no meridian or parallel anywhere, then the
- * slot's period. Phases at the eye (rotation of the eye's ECEF position over the period, modulo 1, plus the seed's and
- * the drift cycle's offset) come from the CPU in double. Rows of the rotation: */
-#define VELUM_NOISE_AX 0.612478317f
-#define VELUM_NOISE_AY 0.659745974f
-#define VELUM_NOISE_AZ 0.435437207f
-#define VELUM_NOISE_BX (-0.778383623f)
-#define VELUM_NOISE_BY 0.407325232f
-#define VELUM_NOISE_BZ 0.477708165f
-#define VELUM_NOISE_CX 0.137801477f
-#define VELUM_NOISE_CY (-0.631523084f)
-#define VELUM_NOISE_CZ 0.763013334f
-
-/* What is stretched lies in planes across this axis (ECEF), which layers cut into fibres - but for where it is
- * vertical: south of Japan and off Brazil. */
-#define VELUM_FIBRE_X (-0.734431195f)
-#define VELUM_FIBRE_Y 0.458923545f
-#define VELUM_FIBRE_Z 0.500000000f
 
 #endif

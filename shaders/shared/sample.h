@@ -3,6 +3,7 @@
 #define VELUM_SAMPLE_H
 
 #include "density.h"
+#include "fibre.h"
 
 #ifndef VULKAN
 #include <stdbool.h>
@@ -97,7 +98,7 @@ VELUM_FN float velum_lean_slope(int slot, velum_slot_fields f) {
 }
 
 /* Where else than over its foot a column's noise is looked up at a height, m. Ice that falls out of cirrus is left
- * behind, horizontally along the fibres, by the wind that grows with height, on a parabola (Marshall 1953). A storm's
+ * behind to the west, by the wind that grows with height, on a parabola (Marshall 1953). A storm's
  * towers are not the same at every height: other turrets of the same cluster; and the wind bends them, anvils most. */
 VELUM_FN velum_noise_point velum_lean(int slot, velum_slot_fields f, float height_m, float normal_x, float normal_y,
                                       float normal_z) {
@@ -111,26 +112,23 @@ VELUM_FN velum_noise_point velum_lean(int slot, velum_slot_fields f, float heigh
         p.y = normal_y * climb_m - f.wind_y_m_s * lag_s;
         p.z = normal_z * climb_m - f.wind_z_m_s * lag_s;
     } else {
-        p.x = VELUM_FIBRE_Y * normal_z - VELUM_FIBRE_Z * normal_y;
-        p.y = VELUM_FIBRE_Z * normal_x - VELUM_FIBRE_X * normal_z;
-        p.z = VELUM_FIBRE_X * normal_y - VELUM_FIBRE_Y * normal_x;
-        float length = VELUM_MAX(VELUM_SQRT(p.x * p.x + p.y * p.y + p.z * p.z), 0.1f);
-        float scale = velum_trail_reach_m(slot, f) * depth * depth / length;
-        p.x = p.x * scale;
-        p.y = p.y * scale;
-        p.z = p.z * scale;
+        float east = VELUM_MAX(VELUM_SQRT(normal_x * normal_x + normal_y * normal_y), 2.0e-3f);
+        float scale = velum_trail_reach_m(slot, f) * depth * depth / east;
+        p.x = -normal_y * scale;
+        p.y = normal_x * scale;
+        p.z = 0.0f;
     }
     return p;
 }
 
-/* Where the offset r from the eye lies in a noise: phase of the eye, plus the turned offset over the period. */
+/* Where the offset r from the eye lies in a noise: phase of the eye, plus the turned offset over the period. Where that
+ * is stretched, across fibres it goes by `across_m` (velum_north_m and waves). */
 VELUM_FN velum_noise_point velum_noise_place(float phase_x, float phase_y, float phase_z, float period_inv_1_m,
-                                             float stretch, float rx, float ry, float rz) {
+                                             float stretch, float across_m, float rx, float ry, float rz) {
     velum_noise_point p;
-    float along = (1.0f - stretch) * (VELUM_FIBRE_X * rx + VELUM_FIBRE_Y * ry + VELUM_FIBRE_Z * rz);
-    float x = stretch * rx + along * VELUM_FIBRE_X;
-    float y = stretch * ry + along * VELUM_FIBRE_Y;
-    float z = stretch * rz + along * VELUM_FIBRE_Z;
+    float x = stretch * rx;
+    float y = stretch * ry;
+    float z = stretch * rz + (1.0f - stretch) * across_m;
     p.x = phase_x + (VELUM_NOISE_AX * x + VELUM_NOISE_AY * y + VELUM_NOISE_AZ * z) * period_inv_1_m;
     p.y = phase_y + (VELUM_NOISE_BX * x + VELUM_NOISE_BY * y + VELUM_NOISE_BZ * z) * period_inv_1_m;
     p.z = phase_z + (VELUM_NOISE_CX * x + VELUM_NOISE_CY * y + VELUM_NOISE_CZ * z) * period_inv_1_m;

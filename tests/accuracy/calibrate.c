@@ -36,7 +36,7 @@ static int compare(const void *a, const void *b) {
 /* The factor of `reach` at which CUT_SHARE of covered columns are cloud at the top. */
 static float reach_factor(const core_noise *noise, const column_case *of, float coverage) {
     static float left[COLUMNS];
-    const double origin[3] = {0.0, 0.0, 0.0};
+    const double origin[3] = {(double)VELUM_WGS84_A_M, 0.0, 0.0};
     const core_drift drift = core_drift_at(1000.0, 7);
     const core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
     const velum_slot_fields fields = {.coverage = coverage,

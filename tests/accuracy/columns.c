@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/geodesy.h"
 #include "shared/hash.h"
@@ -180,9 +181,9 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
         sums_finish(&s, NULL, out);
         return false;
     }
-    const double origin[3] = {0.0, 0.0, 0.0};
+    double origin[3] = {0.0, 0.0, 0.0};
     const core_drift drift = core_drift_at(1000.0, 7);
-    const core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
+    core_cloud_noise cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
     column c = {.cloud = &cloud, .fields = fields};
     /* Ranks that can be cloud, evenly; the rest of the sky is clear. */
     const velum_profile profile = velum_profile_of(of->slot, c.fields);
@@ -198,6 +199,13 @@ bool columns_measure_anywhere(const core_noise *noise, const column_case *of, fl
         c.normal[0] = across * cosf(turn);
         c.normal[1] = across * sinf(turn);
         c.normal[2] = z;
+        if (of->slot == VELUM_SLOT_HIGH) {
+            /* Its noise goes by latitude: columns stand on the earth; others' about its centre as well. */
+            const double normal[3] = {(double)c.normal[0], (double)c.normal[1], (double)c.normal[2]};
+            core_position(normal, 0.0, origin);
+            cloud = core_cloud_noise_at(noise, (uint32_t)of->slot, origin, &drift);
+            memset(c.foot, 0, sizeof c.foot);
+        }
         blow(&c, of->wind_m_s);
         measure_column(&c, steps, &s);
     }

@@ -2,9 +2,9 @@
 #include "shared/sample.h"
 
 /* 0..3: texel value, height, extinction, wind; 4..8: ranks, weight, details; 9..16 and 17..24: fields; 25: blend;
- * 26..33: noise_place. */
-#define CASE_SAMPLE_IN 34
-#define CASE_SAMPLE_OUT 19
+ * 26..34: noise_place; 35..37: an eye for its points. */
+#define CASE_SAMPLE_IN 38
+#define CASE_SAMPLE_OUT 21
 VELUM_FN velum_slot_fields case_fields(float coverage, float base_m, float top_m, float extinction_1_m, float x,
                                        float y, float z, float kind) {
     velum_slot_fields f;
@@ -41,8 +41,10 @@ CASE(case_sample) {
     OUT_FLOAT(14, f.wind_z_m_s);
     OUT_FLOAT(15, f.kind);
     velum_noise_point p = velum_noise_place(IN_FLOAT(26), IN_FLOAT(27), IN_FLOAT(28), IN_FLOAT(29), IN_FLOAT(30),
-                                            IN_FLOAT(31), IN_FLOAT(32), IN_FLOAT(33));
+                                            IN_FLOAT(31), IN_FLOAT(32), IN_FLOAT(33), IN_FLOAT(34));
     OUT_FLOAT(16, p.x);
     OUT_FLOAT(17, p.y);
     OUT_FLOAT(18, p.z);
+    OUT_FLOAT(19, velum_north_m(IN_FLOAT(35), IN_FLOAT(36), IN_FLOAT(37), IN_FLOAT(32), IN_FLOAT(33), IN_FLOAT(34)));
+    OUT_FLOAT(20, velum_waves_m(IN_FLOAT(35), IN_FLOAT(36), IN_FLOAT(37)));
 }

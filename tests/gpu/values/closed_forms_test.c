@@ -409,20 +409,78 @@ static void noise_is_turned_not_bent(void **state) {
             near(dot, i == j ? 1.0 : 0.0, 2e-7);
         }
     }
-    velum_noise_point p = velum_noise_place(0.25f, 0.5f, 0.75f, 1e-3f, 1.0f, 0.0f, 0.0f, 0.0f);
+    velum_noise_point p = velum_noise_place(0.25f, 0.5f, 0.75f, 1e-3f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f);
     near(p.x, 0.25, 0.0);
-    p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 1.0f, 600.0f, 0.0f, 800.0f);
+    p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 1.0f, 0.0f, 600.0f, 0.0f, 800.0f);
     near(sqrt((double)p.x * (double)p.x + (double)p.y * (double)p.y + (double)p.z * (double)p.z), 1.0, 1e-6);
-    /* Stretched: as long as ever along the axis of the planes, drawn out in them. */
-    const float axis[3] = {VELUM_FIBRE_X, VELUM_FIBRE_Y, VELUM_FIBRE_Z};
-    near((double)(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]), 1.0, 1e-6);
-    const float across[3] = {axis[1] / hypotf(axis[0], axis[1]), -axis[0] / hypotf(axis[0], axis[1]), 0.0f};
-    for (int i = 0; i < 2; i++) {
-        const float *d = i == 0 ? axis : across;
-        p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 0.2f, 1e3f * d[0], 1e3f * d[1], 1e3f * d[2]);
-        near(sqrt((double)p.x * (double)p.x + (double)p.y * (double)p.y + (double)p.z * (double)p.z),
-             i == 0 ? 1.0 : 0.2, 1e-6);
+    /* Stretched: drawn out but for what lies across. */
+    p = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 0.2f, 0.0f, 600.0f, 0.0f, 800.0f);
+    near(sqrt((double)p.x * (double)p.x + (double)p.y * (double)p.y + (double)p.z * (double)p.z), 0.2, 1e-6);
+    velum_noise_point q = velum_noise_place(0.0f, 0.0f, 0.0f, 1e-3f, 0.2f, 1000.0f, 600.0f, 0.0f, 800.0f);
+    near(hypot(hypot((double)(q.x - p.x), (double)(q.y - p.y)), (double)(q.z - p.z)), 0.8, 1e-6);
+}
+
+static double latitude_rad(const double p[3]) {
+    return atan2(p[2], hypot(p[0], p[1]));
+}
+
+/* Metres across fibres are those of geocentric latitude, wherever the eye is, at the poles too; along a parallel they
+ * do not change. */
+static void fibres_follow_parallels(void **state) {
+    (void)state;
+    static const double eye_lats[] = {-90.0, -89.9, -35.0, 0.0, 50.0, 89.99, 90.0};
+    static const double far_m[] = {1.0, 300.0, 2e4, 1e6, 6e6};
+    static const double up_m[] = {0.0, 12e3, 3.6e7};
+    for (size_t l = 0; l < sizeof eye_lats / sizeof eye_lats[0]; l++) {
+        for (size_t i = 0; i < 5 * 3 * 8; i++) {
+            const double lat = eye_lats[l] * CORE_PI / 180.0;
+            const double lon = 2.5;
+            const double radius = (double)VELUM_WGS84_A_M + up_m[i / 5 % 3];
+            const double eye[3] = {radius * cos(lat) * cos(lon), radius * cos(lat) * sin(lon), radius * sin(lat)};
+            const double turn = 2.0 * CORE_PI * (double)(i / 15) / 8.0;
+            const double reach = far_m[i % 5] / (double)VELUM_WGS84_A_M;
+            const double north[3] = {-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat)};
+            const double east[3] = {-sin(lon), cos(lon), 0.0};
+            double point[3];
+            for (int axis = 0; axis < 3; axis++) {
+                const double level = north[axis] * cos(turn) + east[axis] * sin(turn);
+                point[axis] = (double)VELUM_WGS84_A_M * (eye[axis] / radius * cos(reach) + level * sin(reach));
+            }
+            const double wanted = (double)VELUM_WGS84_A_M * (latitude_rad(point) - latitude_rad(eye));
+            const float got = velum_north_m((float)eye[0], (float)eye[1], (float)eye[2], (float)(point[0] - eye[0]),
+                                            (float)(point[1] - eye[1]), (float)(point[2] - eye[2]));
+            near((double)got, wanted,
+                 3.0 + 5e-7 * (up_m[i / 5 % 3] + 4.0 * far_m[i % 5])); /* floats of that size: 1.2e-7 */
+        }
     }
+}
+
+/* Waves repeat, have the mean 0 and are no steeper than is said. */
+static void waves_bend_fibres(void **state) {
+    (void)state;
+    const float waves_slope = sqrtf(3.0f) * VELUM_WAVE_SLOPE * 1.001f;
+    near((double)velum_wave(0.25f), 1.0, 0.0);
+    near((double)velum_wave(-0.25f), -1.0, 0.0);
+    near((double)velum_wave(7.125f), (double)velum_wave(0.125f), 0.0);
+    double mean = 0.0;
+    for (uint32_t i = 0; i < 4096; i++) {
+        const double z = 2.0 * draw(i, 0) - 1.0;
+        const double turn = 2.0 * CORE_PI * draw(i, 1);
+        const double up[3] = {sqrt(1.0 - z * z) * cos(turn), sqrt(1.0 - z * z) * sin(turn), z};
+        float p[2][3];
+        for (int axis = 0; axis < 3; axis++) {
+            p[0][axis] = (float)((double)VELUM_WGS84_A_M * up[axis]);
+            p[1][axis] = p[0][axis] + (float)(200.0 * draw(i, 2 + (uint32_t)axis) - 100.0);
+        }
+        const float here = velum_waves_m(p[0][0], p[0][1], p[0][2]);
+        const float there = velum_waves_m(p[1][0], p[1][1], p[1][2]);
+        const float apart = hypotf(hypotf(p[1][0] - p[0][0], p[1][1] - p[0][1]), p[1][2] - p[0][2]);
+        assert_true(fabsf(there - here) <= apart * waves_slope + 3.0f);
+        near((double)velum_waves_m(1.002f * p[0][0], 1.002f * p[0][1], 1.002f * p[0][2]), (double)here, 3.0);
+        mean += (double)here / 4096.0;
+    }
+    near(mean, 0.0, 30.0);
+    assert_true(1.0034f + waves_slope < VELUM_FIBRE_SLOPE);
 }
 
 static void cloud_is_between_base_and_top(void **state) {
@@ -488,6 +546,8 @@ int main(void) {
         cmocka_unit_test(mixed_ranks_are_ranks),
         cmocka_unit_test(states_blend),
         cmocka_unit_test(noise_is_turned_not_bent),
+        cmocka_unit_test(fibres_follow_parallels),
+        cmocka_unit_test(waves_bend_fibres),
         cmocka_unit_test(cloud_is_between_base_and_top),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -190,8 +190,12 @@ void fill_sample(uint32_t i, uint32_t *in) {
     }
     put(in, 29, 1.0f / between(i, 29, 300.0f, 45000.0f));
     put(in, 30, i % 2 ? 1.0f : 0.12f);
-    for (uint32_t n = 31; n < 34; n++) {
+    put(in, 31, between(i, 31, -3e5f, 3e5f));
+    for (uint32_t n = 32; n < 35; n++) {
         put(in, n, between(i, n, -3e5f, 3e5f));
+    }
+    for (uint32_t n = 35; n < 38; n++) {
+        put(in, n, i % 3 == n % 3 ? 0.0f : between(i, n, -7e6f, 7e6f));
     }
 }
 

@@ -238,12 +238,13 @@ static void air_agrees(void **state) {
 
 static void fields_and_mixes_agree(void **state) {
     (void)state;
-    static const bound bounds[] = {
-        {"height", 1e-3, 1e-6}, {"extinction", 0, 1e-5}, {"wind", 1e-5, 1e-6},  {"from_height", 3e-7, 0},
-        {"from_ext.", 3e-7, 0}, {"from_wind", 3e-7, 0},  {"rank_mix", 2e-6, 0}, {"detail_mix", 1e-6, 0},
-        {"coverage", 3e-7, 0},  {"base_m", 0, 1e-6},     {"top_m", 0, 1e-6},    {"extinction", 0, 4e-5},
-        {"wind_x", 1e-4, 0},    {"wind_y", 1e-4, 0},     {"wind_z", 1e-4, 0},   {"kind", 1e-6, 0},
-        {"noise x", 3e-4, 0},   {"noise y", 3e-4, 0},    {"noise z", 3e-4, 0}};
+    static const bound bounds[] = {{"height", 1e-3, 1e-6},   {"extinction", 0, 1e-5}, {"wind", 1e-5, 1e-6},
+                                   {"from_height", 3e-7, 0}, {"from_ext.", 3e-7, 0},  {"from_wind", 3e-7, 0},
+                                   {"rank_mix", 2e-6, 0},    {"detail_mix", 1e-6, 0}, {"coverage", 3e-7, 0},
+                                   {"base_m", 0, 1e-6},      {"top_m", 0, 1e-6},      {"extinction", 0, 4e-5},
+                                   {"wind_x", 1e-4, 0},      {"wind_y", 1e-4, 0},     {"wind_z", 1e-4, 0},
+                                   {"kind", 1e-6, 0},        {"noise x", 3e-4, 0},    {"noise y", 3e-4, 0},
+                                   {"noise z", 3e-4, 0},     {"north_m", 2.0, 1e-6},  {"waves_m", 0.5, 0}};
     check(&(value_case){sample_spirv, sizeof sample_spirv, CASE_SAMPLE_IN, CASE_SAMPLE_OUT, fill_sample, case_sample,
                         NULL, bounds});
 }
