@@ -161,7 +161,9 @@ typedef struct noise_point {
 } noise_point;
 
 static noise_point noise_point_of(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
-    noise_point p = {.fine = velum_shows_fine((float)cursor->distance_m, cursor->noise[slot].phases.fine[0][3])};
+    const core_cloud_noise *noise = &cursor->noise[slot];
+    noise_point p = {.fine =
+                         velum_shows_fine((float)cursor->distance_m, noise->phases.fine[0][3], noise->fine_stretch)};
     for (int axis = 0; axis < 3; axis++) {
         p.point_m[axis] = (float)(place->ecef_m[axis] - cursor->noise_origin_m[axis]);
         p.normal[axis] = (float)place->normal[axis];

@@ -20,8 +20,10 @@ static void fill_drift(const core_drift *d, velum_eye_block *out) {
     out->drift[0] = d->weight[1];
 }
 
-/* Light of the whole sky, as if it all came at this cosine. */
+/* Light of the whole sky, as if it all came at this cosine; of one that is lit by a sun on the horizon, at the other
+ * (fitted to the reference, scene `sunset`). */
 #define SKY_MU 0.6f
+#define SKY_LOW_MU 0.15f
 
 /* What layers that absorb nothing send back of light that they let through one by one: with light that goes to and fro
  * between them, (1 - t) / t adds up. */
@@ -33,6 +35,7 @@ static float add_layer(float hindrance, float through) {
 static void add_shade(const core_column *column, float mu_sun, float albedo, float height_m, float weight,
                       float shade[4]) {
     float beam = 1.0f, sun = 0.0f, sky = 0.0f, below = 0.0f;
+    float sky_mu = velum_mix(SKY_LOW_MU, SKY_MU, velum_aside_of(mu_sun));
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         if (!(column->mask & (1u << slot))) {
             continue;
@@ -40,7 +43,7 @@ static void add_shade(const core_column *column, float mu_sun, float albedo, flo
         velum_slot_fields f = column->slot[slot];
         float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)slot).shape_period_m;
         velum_layer_light above = velum_layer_light_at(f, height_m, mu_sun, 0.0f, cloud_m);
-        velum_layer_light even = velum_layer_light_at(f, height_m, SKY_MU, 0.0f, cloud_m);
+        velum_layer_light even = velum_layer_light_at(f, height_m, sky_mu, 0.0f, cloud_m);
         beam *= above.open;
         sun = add_layer(sun, above.open + above.through + above.aside);
         sky = add_layer(sky, even.open + even.through + even.aside * velum_aside_of(mu_sun));

@@ -48,10 +48,18 @@ float sun_over_horizon(float height_m, float mu) {
  * what is left. */
 const float haze_forward = haze_g * haze_g;
 const float haze_turned_g = (haze_g - haze_forward) / (1.0 - haze_forward);
+/* Along the eye's way it is less that counts so: the horizon is a bright line, and the ground and the zenith are dark
+ * beside it. Fitted to the reference, to haze of 22 and 40 km over black and white ground. */
+const float haze_ahead = 0.25;
+const float haze_seen_g = (haze_g - haze_ahead) / (1.0 - haze_ahead);
+
+/* Depth of haze over a height that takes light off its way. */
+float haze_depth_over(float height_m) {
+    return (1.0 - haze_forward) * haze_extinction_1_m(height_m) * haze_scale_m;
+}
 
 float sun_through_haze(float height_m, float mu) {
-    float slant = velum_slant(haze_scale_m, height_m, mu);
-    return exp(-(1.0 - haze_forward) * haze_extinction_1_m(height_m) * haze_scale_m * slant);
+    return exp(-haze_depth_over(height_m) * velum_slant(haze_scale_m, height_m, mu));
 }
 
 /* Optical depth of fog straight up from a height. */
@@ -166,6 +174,34 @@ vec3 albedo_below(vec4 shade) {
                 velum_shade_albedo(shade.z, ground.b, mean));
 }
 
+/* Depth of clear air over a height that turns light. */
+vec3 air_depth_over(float height_m) {
+    float aerosol = (1.0 - VELUM_AEROSOL_G) * VELUM_AEROSOL_SCATTERING * VELUM_AEROSOL_SCALE_M;
+    return rayleigh_1_m * (VELUM_RAYLEIGH_SCALE_M * velum_rayleigh_density(height_m)) +
+           aerosol * velum_aerosol_density(height_m);
+}
+
+/* Flux of sun and sky over the sun's own, on a level face. */
+vec3 sky_gain_at(float height_m, float mu_sun) {
+    vec3 depth = air_depth_over(height_m);
+    float slant = velum_slant(VELUM_RAYLEIGH_SCALE_M, height_m, mu_sun);
+    return vec3(velum_sky_gain(depth.r, slant), velum_sky_gain(depth.g, slant), velum_sky_gain(depth.b, slant));
+}
+
+/* Flux of sun and clear sky, through haze, on level black ground, per unit sun. */
+vec3 flux_on_ground(float mu_sun) {
+    float haze_mu = 1.0 / velum_slant(haze_scale_m, 0.0, mu_sun);
+    float through = velum_flux_under(haze_depth_over(eye.span.z), haze_turned_g, haze_mu);
+    float level = max(mu_sun, 0.0);
+    return air_to_space(0.0, level) * sky_gain_at(0.0, mu_sun) * (level * through);
+}
+
+/* All that a world below sends up, over what it is sent from above: air sends some of it back again. */
+vec3 albedo_under_air(vec3 albedo, float height_m) {
+    vec3 depth = air_depth_over(height_m);
+    return albedo / (1.0 - albedo * vec3(velum_sky_back(depth.r), velum_sky_back(depth.g), velum_sky_back(depth.b)));
+}
+
 /* All orders beyond the first, as if isotropic (Hillaire 2020, section 5.5): luminance per unit sun. */
 struct air_glow {
     vec3 sky, ground; /* the latter over a white ground */
@@ -226,40 +262,59 @@ fog_light fog_light_at(float above, float below, float mu_sun, float cos_sun, fl
 
 /* Of the clear sky's light, what an even sky of as much flux would have: it is brightest at the horizon. Fitted to the
  * reference; of molecules that shine alike at all heights it would be 0.52, 0.61 and 0.74, (1 - 2 E3) / (1 - E2). */
-const float fog_sky = 0.85;
+const float fog_sky = 0.81;
+
+/* Of haze, per unit of its scattering: the sun's light that it has turned before, of a sun whose light without it were
+ * `clean`, and what the ground sends, both on their way to an eye whose ray rises so. Light comes to the eye against its
+ * ray: upward rays see what goes down. Where haze is thin, its light stands at the horizon: its mean, E2 of the depth,
+ * is more than Eddington's; the constant is fitted to the reference. */
+vec3 haze_diffuse(float height_m, vec3 clean, float mu_sun, float rise, vec3 albedo) {
+    float above = haze_depth_over(height_m);
+    float below = max(haze_depth_over(eye.span.z) - above, 0.0);
+    float mu = 1.0 / velum_slant(haze_scale_m, height_m, mu_sun);
+    velum_diffuse sun = velum_diffuse_in(above, below, haze_turned_g, mu, 0.0);
+    velum_diffuse ground = velum_diffuse_from_below(above, below, haze_turned_g);
+    vec3 sent = albedo_under_air(albedo, 0.0) * flux_on_ground(mu_sun) / PI;
+    float thin = max(1.0 - 0.5 * log(max(above + below, 1e-6)), 1.0);
+    return clean * max(sun.mean * thin + haze_seen_g * rise * sun.flux, 0.0) +
+           sent * (ground.mean + haze_seen_g * rise * ground.flux);
+}
+
+/* Light from below that aerosol turns on upward or downward, over what it would turn evenly: by the half of its phase
+ * function ahead (Henyey & Greenstein 1941, integrated). */
+const float aerosol_ahead = 0.9;
 
 /* Luminance per unit length and unit sun that air, haze and fog send along a ray. The first order of haze goes by the
- * phase function over scaled depths (Nakajima & Tanaka 1988), the others are Eddington's diffuse light. */
+ * phase function over scaled depths (Nakajima & Tanaka 1988). */
 vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_sun, float rise, bool with_glow) {
     vec4 shade = shade_at(height_m);
     float beam = shade.x;
     float daylight = shade.x + shade.y;
     vec3 albedo = albedo_below(shade);
-    float sun_height = sun_on_fog(mu_sun);
     vec3 sun = sun_through_air(height_m, mu_sun);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
     vec3 of_sky = rayleigh + aerosol;
     vec3 single = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
     vec3 source = sun * beam * single;
-    if (haze > 0.0) {
-        float scaled = (1.0 - haze_forward) * haze;
-        float above = scaled * haze_scale_m;
-        float below = max((1.0 - haze_forward) * haze_extinction_1_m(eye.span.z) * haze_scale_m - above, 0.0);
-        float mean = dot(albedo, vec3(1.0 / 3.0));
+    const float least_1_m = 1e-10;
+    if (haze > least_1_m) {
         vec3 clean = sun / max(sun_through_haze(height_m, mu_sun), 1e-6);
-        velum_diffuse diffuse = velum_diffuse_in(above, below, haze_turned_g, sun_height, mean);
-        /* Light that comes to the eye goes against the ray: upward rays see what goes down. */
-        float others = max(diffuse.mean + haze_turned_g * rise * diffuse.flux, 0.0);
-        source += sun * beam * haze * velum_phase_hg(cos_sun, haze_g) + clean * daylight * scaled * others;
-        of_sky += scaled;
+        vec3 others = haze_diffuse(height_m, clean, mu_sun, rise, albedo);
+        source += haze * sun * beam * velum_phase_hg(cos_sun, haze_g);
+        source += (1.0 - haze_ahead) * haze * daylight * others;
     }
-    vec3 of_ground = of_sky * albedo;
-    vec3 of_cloud = diffused * of_sky;
+    /* The clouds below stand about half way to the ground. */
+    float below_m = 0.5 * shade.z * min(height_m, VELUM_SHADE_TOP_M);
+    vec3 of_ground = (of_sky - aerosol_ahead * rise * aerosol) * albedo_under_air(albedo, below_m);
+    vec3 of_cloud = diffused * (of_sky + (1.0 - haze_forward) * haze);
+    /* All of it: fitted to the reference. */
+    of_sky += haze;
     vec3 of_back = vec3(0.0);
     if (fog > 0.0) {
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
+        float sun_height = sun_on_fog(mu_sun);
         fog_light light = fog_light_at(above, below, sun_height, cos_sun, rise, albedo);
         float first = velum_phase_lobes_at(velum_phase_lobes_fog(), cos_sun);
         source += sun * (fog * beam) * (exp(-above / sun_height) * first + light.sun);
@@ -271,9 +326,11 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     source += of_cloud * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
-        /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
-        vec3 sent_back = max(glow.ground - sun * (max(mu_sun, 0.0) / (2.0 * PI)), vec3(0.0));
-        source += shade.w * (of_sky * glow.sky + of_ground * glow.ground + of_back * sent_back);
+        source += shade.w * (of_sky * glow.sky + of_ground * glow.ground);
+        if (fog > 0.0) {
+            /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
+            source += shade.w * of_back * max(glow.ground - flux_on_ground(mu_sun) / (2.0 * PI), vec3(0.0));
+        }
     }
     return source;
 }
@@ -348,7 +405,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         float fog = fog_extinction_1_m(p.height_m);
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
-        vec3 dims = extinction - vec3(haze_forward * haze);
+        vec3 dims = extinction - vec3(haze_ahead * haze);
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
         result.luminance += result.reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));

@@ -112,7 +112,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     if (covered && !base) {
         lump = lump_noise(slot, f, hit.r);
     }
-    if (covered && !base && velum_shows_fine(distance_m, eye.slots[slot].fine_0.w)) {
+    if (covered && !base && shows_fine(slot, distance_m)) {
         fine = fine_noise(slot, f, hit.r);
     }
     z = clamp(z, 0.0, 1.0);
@@ -142,7 +142,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
         hit.smooth_part = hit.part >= VELUM_PART_FALL || g.scud <= 0.0;
         if (hit.sampled) {
             hit.extinction_1_m = part_extinction(hit.part, f, profile, g, hit.r, hit.normal, h,
-                                                 velum_shows_fine(distance_m, eye.slots[slot].fine_0.w));
+                                                 shows_fine(slot, distance_m));
         }
         hit.margin = 0.0;
         hit.across = hit.extinction_1_m * part_across_m(hit.part);

@@ -57,7 +57,7 @@ void main() {
         }
         if (hits && of_ground) {
             float mu = (r * mu_sun + distance_m * dot(d, sun)) / VELUM_WGS84_A_M;
-            second += weight * t * air_to_space(0.0, max(mu, 0.0)) * max(mu, 0.0) / PI;
+            second += weight * t * air_to_space(0.0, max(mu, 0.0)) * sky_gain_at(0.0, mu) * max(mu, 0.0) / PI;
         }
     }
     imageStore(glow_out, texel, vec4(second / max(1.0 - factor, vec3(0.05)), 1.0));

@@ -29,6 +29,28 @@ float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
     return max(end - start, 0.0);
 }
 
+/* What a level white face sends that is lit by the sun, and by sun and clear sky. */
+vec3 sunlit_luminance(float height_m, float mu_sun) {
+    return eye.sun_lx.rgb * (max(mu_sun, 0.0) / PI) * sun_through_air(height_m, mu_sun);
+}
+vec3 daylit_luminance(float height_m, float mu_sun) {
+    vec3 gain = eye.ground.w != 0.0 ? sky_gain_at(height_m, mu_sun) : vec3(1.0);
+    return sunlit_luminance(height_m, mu_sun) * gain;
+}
+
+/* What a world below sends, in light that goes to and fro between it and the air. */
+vec3 sent_up(float height_m, vec3 albedo) {
+    return eye.ground.w != 0.0 ? albedo_under_air(albedo, height_m) : albedo;
+}
+
+/* Under the clouds over the eye. */
+vec3 ground_luminance(float mu_sun) {
+    vec4 shade = shade_at(0.0);
+    float fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
+    vec3 flux = eye.ground.w != 0.0 ? flux_on_ground(mu_sun) : vec3(max(mu_sun, 0.0));
+    return eye.sun_lx.rgb * flux / PI * (shade.x + shade.y) * fog * sent_up(0.0, eye.ground.rgb);
+}
+
 vec3 ambient(int index) {
     bool even = index >= 2 * VELUM_SHADE_LEVELS;
     bool below = (index / VELUM_SHADE_LEVELS & 1) != 0;
@@ -38,14 +60,13 @@ vec3 ambient(int index) {
     vec3 side = towards_sun(up);
     vec3 across = cross(up, side);
     float mu_sun = dot(up, eye.sun.xyz);
-    /* Onto the ground, and onto the clouds below, which stand about half way to it. */
-    vec4 low = shade_at(0.0);
     vec4 here = shade_at(height_m);
-    vec3 flux = 1.1 / PI * eye.sun_lx.rgb * max(mu_sun, 0.0);
-    float under_fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
-    vec3 from_ground = flux * sun_through_air(0.0, mu_sun) * (low.x + low.y) * under_fog * eye.ground.rgb;
-    vec3 from_above = flux * sun_through_air(height_m, mu_sun) * here.y;
-    vec3 from_cloud = flux * sun_through_air(0.5 * height_m, mu_sun) * (here.x + here.y) * here.z;
+    vec3 from_ground = ground_luminance(mu_sun);
+    /* The sky's light through clouds is the air's under them. */
+    vec3 from_above = sunlit_luminance(height_m, mu_sun) * here.y;
+    /* The clouds below stand about half way to the ground. */
+    float cloud_m = 0.5 * height_m;
+    vec3 from_cloud = daylit_luminance(cloud_m, mu_sun) * (here.x + here.y) * sent_up(cloud_m, vec3(here.z));
     vec3 sum = vec3(0.0);
     const int count = 16;
     for (int k = 0; k < count; ++k) {
@@ -58,7 +79,7 @@ vec3 ambient(int index) {
         air_light light = air_march(o + d * start, d, distance_m, 8, true);
         vec3 luminance = light.luminance;
         if (below) {
-            luminance += light.transmittance * from_ground * (1.0 - here.z) + light.reaches * from_cloud;
+            luminance += light.reaches * (from_ground * (1.0 - here.z) + from_cloud);
         } else {
             luminance += light.reaches * from_above;
         }
@@ -102,7 +123,14 @@ void main() {
             const float black = 1e-6;
             result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
         } else {
-            result = air_march(d * start, d, distance_m, 24, true).luminance / VELUM_LUMINANCE_UNIT;
+            air_light light = air_march(d * start, d, distance_m, 24, true);
+            result = light.luminance;
+            if (to_ground) {
+                /* What haze scatters forward of the ground's light; the rest of it is transmittance. */
+                vec3 end = normalize(up * (VELUM_WGS84_A_M + eye.up.w) + d * (start + distance_m));
+                result += (light.reaches - light.transmittance) * ground_luminance(dot(end, eye.sun.xyz));
+            }
+            result /= VELUM_LUMINANCE_UNIT;
         }
     }
     imageStore(sky_out, texel, vec4(result, 1.0));

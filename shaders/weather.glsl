@@ -208,6 +208,10 @@ float lump_noise(int slot, velum_slot_fields f, vec3 r) {
     return 2.0 * drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1, 1.0) - 1.0;
 }
 
+bool shows_fine(int slot, float distance_m) {
+    return velum_shows_fine(distance_m, eye.slots[slot].fine_0.w, eye.slots[slot].optics.w);
+}
+
 float fine_noise(int slot, velum_slot_fields f, vec3 r) {
     return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1, eye.slots[slot].optics.w);
 }

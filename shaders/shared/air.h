@@ -1,5 +1,6 @@
 /* Clear air: molecules, aerosol, ozone. Coefficients at sea level, 1/m, for red, green, blue.
- * Rayleigh and ozone: Bruneton & Neyret (2008), Bruneton (2017); aerosol and the ozone tent: Hillaire (2020), table 1. */
+ * Rayleigh and ozone: Bruneton & Neyret (2008), Bruneton (2017); aerosol and the ozone tent: Hillaire (2020), table 1.
+ */
 #ifndef VELUM_AIR_PHYSICS_H
 #define VELUM_AIR_PHYSICS_H
 
@@ -119,6 +120,29 @@ VELUM_FN velum_diffuse velum_diffuse_in(float above, float below, float g, float
     d.mean = direct * (mu_sun + 0.666666667f - mu_sun * here) - net * (0.666666667f + (1.0f - g) * above);
     d.mean = VELUM_MAX(d.mean, 0.0f);
     return d;
+}
+/* The same of an even luminance of 1 that comes from below. */
+VELUM_FN velum_diffuse velum_diffuse_from_below(float above, float below, float g) {
+    velum_diffuse d;
+    float net = 1.0f / (1.333333333f + (1.0f - g) * (above + below));
+    d.flux = -net;
+    d.mean = net * (0.666666667f + (1.0f - g) * above);
+    return d;
+}
+/* Share of the sun's flux that comes through such a layer over black ground. */
+VELUM_FN float velum_flux_under(float depth, float g, float mu_sun) {
+    float last = VELUM_EXP(-depth / mu_sun);
+    return (mu_sun + 0.666666667f + (0.666666667f - mu_sun) * last) / (1.333333333f + (1.0f - g) * depth);
+}
+
+/* Clear air; depth: of what turns light, straight up. Flux of sun and sky on black ground over the sun's own, whose
+ * light passes `slant` such depths; and the share of the ground's light that the air sends back. */
+VELUM_FN float velum_sky_gain(float depth, float slant) {
+    float mu = 1.0f / slant;
+    return ((mu + 0.666666667f) * VELUM_EXP(depth * slant) + 0.666666667f - mu) / (1.333333333f + depth);
+}
+VELUM_FN float velum_sky_back(float depth) {
+    return depth / (1.333333333f + depth);
 }
 
 #endif

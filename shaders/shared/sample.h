@@ -77,9 +77,10 @@ VELUM_FN velum_slot_fields velum_fields_of_texels(float a0, float a1, float a2, 
     return f;
 }
 
-/* Whether a pixel so far away shows the fine noise at all; elsewhere it counts as 0.5. */
-VELUM_FN bool velum_shows_fine(float distance_m, float period_inv_1_m) {
-    return distance_m * period_inv_1_m < 50.0f;
+/* Whether a pixel so far away shows the fine noise at all; elsewhere it counts as 0.5. Of fibres, which are all that
+ * cirrus shows, so far that one is some ten pixels wide in a picture of 1920 over 60 degrees. */
+VELUM_FN bool velum_shows_fine(float distance_m, float period_inv_1_m, float stretch) {
+    return distance_m * period_inv_1_m < (stretch < 1.0f ? 150.0f : 50.0f);
 }
 
 VELUM_STRUCT(velum_noise_point) {

@@ -2,6 +2,7 @@
 #ifndef VELUM_SHADE_H
 #define VELUM_SHADE_H
 
+#include "air.h"
 #include "slots.h"
 
 /* Share of the extinction that takes light off its way: delta scaling (Joseph et al. 1976), mean cosine 0.86. */
@@ -12,9 +13,8 @@
 /* Flux that a plane layer without absorption lets through, of what falls on it: Eddington's approximation over black
  * ground (Shettle & Weinman 1970); mean cosine 0.86 of droplets. */
 VELUM_FN float velum_flux_through(float depth, float mu_sun) {
-    float mu = VELUM_MAX(mu_sun, 0.02f);
-    float last = VELUM_EXP(-VELUM_TURNING_SHARE * depth / mu);
-    return (mu + 0.666666667f + (0.666666667f - mu) * last) / (1.333333333f + 0.14f * depth);
+    const float turned_g = 1.0f - 0.14f / VELUM_TURNING_SHARE;
+    return velum_flux_under(VELUM_TURNING_SHARE * depth, turned_g, VELUM_MAX(mu_sun, 0.02f));
 }
 
 /* Share of lines of sight that meet none of the clouds that cover `coverage` of a level plane: a slant line meets more,

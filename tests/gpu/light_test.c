@@ -210,17 +210,27 @@ static void cloud_shades_the_air_under_a_low_sun(void **state) {
     fixture_finish(&f);
 }
 
-/* Of fog up to 150 m from within, under a sheet too, and of clear air. */
+/* Of fog up to 150 m from within, under a sheet too; of clear air and of haze, over dark ground and over snow, which
+ * the air and it light in turn. */
 static void air_is_as_bright_as_its_reference(void **state) {
     (void)state;
     static const struct {
-        float visibility_m;
-        double pitch_deg, sun_deg, bound;
+        float visibility_m, albedo;
+        double height_m, pitch_deg, sun_deg, bound;
         uint32_t layers;
-    } cases[] = {{300.0f, 10.0, 50.0, 0.06, 0}, {300.0f, 0.0, 50.0, 0.06, 0}, {300.0f, -30.0, 50.0, 0.06, 0},
-                 {300.0f, 10.0, 15.0, 0.06, 0}, {300.0f, 0.0, 15.0, 0.06, 0}, {300.0f, -30.0, 15.0, 0.06, 0},
-                 {1e5f, 30.0, 50.0, 0.06, 0},   {1e5f, 30.0, 15.0, 0.10, 0},  {1e5f, 0.0, 15.0, 0.06, 0},
-                 {300.0f, 0.0, 50.0, 0.10, 1},  {300.0f, 0.0, 15.0, 0.10, 1}};
+    } cases[] = {{300.0f, 0.2f, 60.0, 10.0, 50.0, 0.06, 0},    {300.0f, 0.2f, 60.0, 0.0, 50.0, 0.06, 0},
+                 {300.0f, 0.2f, 60.0, -30.0, 50.0, 0.06, 0},   {300.0f, 0.2f, 60.0, 10.0, 15.0, 0.06, 0},
+                 {300.0f, 0.2f, 60.0, 0.0, 15.0, 0.06, 0},     {300.0f, 0.2f, 60.0, -30.0, 15.0, 0.06, 0},
+                 {1e5f, 0.2f, 60.0, 30.0, 50.0, 0.04, 0},      {1e5f, 0.2f, 60.0, 30.0, 15.0, 0.06, 0},
+                 {1e5f, 0.2f, 60.0, 0.0, 15.0, 0.06, 0},       {300.0f, 0.2f, 60.0, 0.0, 50.0, 0.10, 1},
+                 {300.0f, 0.2f, 60.0, 0.0, 15.0, 0.10, 1},     {1e5f, 0.9f, 60.0, 30.0, 50.0, 0.04, 0},
+                 {1e5f, 0.9f, 60.0, 30.0, 15.0, 0.06, 0},      {1e5f, 0.9f, 6000.0, -30.0, 50.0, 0.06, 0},
+                 {1e5f, 0.9f, 6000.0, -30.0, 15.0, 0.06, 0},   {25e3f, 0.9f, 60.0, 30.0, 50.0, 0.08, 0},
+                 {25e3f, 0.9f, 6000.0, -30.0, 50.0, 0.08, 0},  {25e3f, 0.05f, 60.0, 30.0, 50.0, 0.08, 0},
+                 {25e3f, 0.05f, 6000.0, -30.0, 50.0, 0.08, 0}, {25e3f, 0.05f, 60.0, 0.0, 15.0, 0.08, 0},
+                 {25e3f, 0.9f, 60.0, 30.0, 15.0, 0.08, 0},     {25e3f, 0.9f, 6000.0, -30.0, 15.0, 0.08, 0},
+                 {25e3f, 0.9f, 60.0, 30.0, 3.0, 0.08, 0},      {25e3f, 0.9f, 6000.0, -30.0, 3.0, 0.08, 0},
+                 {1e5f, 0.9f, 60.0, 30.0, 2.0, 0.08, 0}};
     const velum_layer sheet = {.struct_size = sizeof sheet,
                                .genus = VELUM_GENUS_ST,
                                .coverage = 1.0f,
@@ -236,17 +246,19 @@ static void air_is_as_bright_as_its_reference(void **state) {
         cell.visibility_m = cases[i].visibility_m;
         cell.fog_top_m = 150.0f;
         fixture_commit_cell(&f, &cell);
-        scene s = {.height_m = 60.0,
+        scene s = {.height_m = cases[i].height_m,
                    .pitch_deg = cases[i].pitch_deg,
                    .sun_deg = cases[i].sun_deg,
-                   .albedo = 0.2f,
+                   .albedo = cases[i].albedo,
                    .quality = VELUM_QUALITY_REFERENCE,
                    .atmosphere = VELUM_ATMOSPHERE_EARTH};
         const double expected = look(&f, &s).luminance;
         s.quality = VELUM_QUALITY_MEDIUM;
         const double found = look(&f, &s).luminance;
-        print_message("visibility %g m, %u layers, pitch %g, sun %g degrees: %.3f of the reference\n",
-                      (double)cases[i].visibility_m, cases[i].layers, s.pitch_deg, s.sun_deg, found / expected);
+        print_message(
+            "visibility %g m, %u layers, albedo %.2f, %g m high, pitch %g, sun %g degrees: %.3f of the reference\n",
+            (double)cases[i].visibility_m, cases[i].layers, (double)s.albedo, s.height_m, s.pitch_deg, s.sun_deg,
+            found / expected);
         assert_float_equal(found, expected, cases[i].bound * expected);
     }
     fixture_finish(&f);

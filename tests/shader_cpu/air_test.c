@@ -86,9 +86,47 @@ static void diffuse_light_has_its_limits(void **state) {
     assert_float_equal((double)white.mean, 0.5 * 0.6 / pi, 1e-6);
 }
 
+/* Light from the ground goes up and away; what does not, the ground gets back. */
+static void light_from_below_has_its_limits(void **state) {
+    (void)state;
+    const velum_diffuse none = velum_diffuse_from_below(0.0f, 0.0f, 0.4f);
+    assert_float_equal((double)none.mean, 0.5, 1e-6);
+    for (int i = 0; i < 4; i++) {
+        const float all = (float[]){0.01f, 0.3f, 2.0f, 30.0f}[i];
+        const velum_diffuse top = velum_diffuse_from_below(0.0f, all, 0.4f);
+        assert_float_equal((double)top.mean + 2.0 / 3.0 * (double)top.flux, 0.0, 1e-6);
+        const velum_diffuse low = velum_diffuse_from_below(all, 0.0f, 0.4f);
+        assert_float_equal((double)low.mean - 2.0 / 3.0 * (double)low.flux, 1.0, 1e-6);
+        /* What the air sends back of an even luminance, and what goes through, are all of it. */
+        const velum_diffuse even = velum_diffuse_from_below(all, 0.0f, 0.0f);
+        const double back = (double)even.mean + 2.0 / 3.0 * (double)even.flux;
+        assert_float_equal(back, (double)velum_sky_back(all), 1e-6);
+        assert_float_equal(back - 4.0 / 3.0 * (double)even.flux, 1.0, 1e-6);
+    }
+}
+
+/* Sun and sky together lose what goes back to space; the sky adds to the sun. */
+static void the_sky_adds_to_the_sun(void **state) {
+    (void)state;
+    assert_float_equal((double)velum_sky_gain(0.0f, 2.0f), 1.0, 1e-6);
+    assert_float_equal((double)velum_sky_back(0.0f), 0.0, 1e-9);
+    for (int i = 1; i <= 20; i++) {
+        const float depth = 0.02f * (float)i;
+        for (int k = 1; k <= 10; k++) {
+            const float mu = 0.1f * (float)k;
+            const double gain = (double)velum_sky_gain(depth, 1.0f / mu);
+            const double through = gain * exp(-(double)depth / (double)mu);
+            assert_true(gain > 1.0 && through < 1.0);
+            const double net = net_flux(depth, 0.0f, 0.0f, mu, 0.0f);
+            assert_float_equal(through * (double)mu, net, 2e-6);
+        }
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(slant_ways_are_chapmans),
-                                       cmocka_unit_test(diffuse_light_is_conserved),
-                                       cmocka_unit_test(diffuse_light_has_its_limits)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slant_ways_are_chapmans), cmocka_unit_test(diffuse_light_is_conserved),
+        cmocka_unit_test(diffuse_light_has_its_limits), cmocka_unit_test(light_from_below_has_its_limits),
+        cmocka_unit_test(the_sky_adds_to_the_sun)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
