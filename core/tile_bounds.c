@@ -59,7 +59,7 @@ static float lean_change(uint32_t slot, slopes change) {
                (2.0f * VELUM_TRAIL_M * change.kind_1_m + 3.0f * VELUM_TRAIL_MOST * change.height);
     case VELUM_SLOT_STORM:
         return VELUM_ANVIL_LAG_S * change.wind_1_s + ANVIL_MOST_M * change.kind_1_m +
-               (VELUM_STORM_CLIMB + 3.0f * VELUM_ANVIL_LAG_MOST) * change.height;
+               3.0f * VELUM_ANVIL_LAG_MOST * change.height;
     default: return 0.0f;
     }
 }

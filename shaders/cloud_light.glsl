@@ -38,6 +38,7 @@ struct cloud_hit {
     velum_profile profile;
     float excess;
     float margin; /* velum_margin */
+    float lump;   /* its noise, -1..1 */
     float across; /* optical depth of a hem or of what falls, from side to side; of cloud 0 */
     float extinction_1_m;
     float height_fraction; /* of the layer */
@@ -119,6 +120,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     hit.fields = f;
     hit.profile = profile;
     hit.excess = e;
+    hit.lump = lump;
     hit.margin = velum_margin(profile, e, z, lump, fine);
     hit.height_fraction = z;
     hit.within = within;
@@ -247,7 +249,9 @@ const float deck_face = 0.38, deck_tilt = 0.29;
  */
 const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
-const float storm_walls = 0.6;  /* ... and most of what their flanks see */
+const float storm_walls = 0.15; /* ... and most of what their flanks see */
+const float storm_turned = 0.7, storm_meets = 0.4;
+const float face_m = 300.0;     /* over which a storm's faces are looked at: half of its lumps */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.0, falls = 1.8;
@@ -261,6 +265,19 @@ const float widened_share = 0.62, widened_loss = 0.21;
 struct ways_out {
     float up, down, flank; /* optical depths */
 };
+
+/* How straight the sun meets the face of a storm that a place lies behind: the change of margin on the way there, over
+ * what it is on the mean straight through a flank; about -1..1. */
+float sun_meets(cloud_hit hit, float mu_sun) {
+    velum_slot_fields f = hit.fields;
+    vec3 p = hit.r + eye.sun.xyz * face_m;
+    float h = hit.height_m + mu_sun * face_m;
+    float z = clamp((h - f.base_m) / max(f.top_m - f.base_m, 1.0), 0.0, 1.0);
+    float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
+    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
+    float there = velum_margin(hit.profile, e, z, lump_noise(hit.slot, f, p), 0.5);
+    return (here - there) * flank_share / (eye.slots[hit.slot].shape_0.w * face_m);
+}
 
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
@@ -298,14 +315,18 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float over = velum_overcast(hit.fields.coverage);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
-    float deep = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
+    float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
+    float deep = even;
+    if (storm && !is_fringe(hit)) {
+        deep *= clamp(storm_turned + storm_meets * sun_meets(hit, mu_sun), 0.2, 1.3);
+    }
     float dark = down + max(flank - lit, 0.0);
     float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     float walls = storm ? max(hit.fields.coverage, storm_walls) : walls_seen * hit.fields.coverage;
-    vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * deep * sun, walls);
+    vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * even * sun, walls);
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
     carved = is_fringe(hit) ? 0.0 : carved;
     float open = 1.0 / (1.0 + crevice * carved);

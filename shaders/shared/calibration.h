@@ -75,10 +75,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.4514f, 0.9018f, 0.0519f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 0.9150f, 0.4002f, -0.2440f, -0.0247f, 0.1529f, 2.9109f, -0.0600f, 0.0484f,
-                                   -0.0147f, 0.9136f, 0.0094f);
-        b = velum_calibration_make(10600.0f, 0.9596f, 0.8204f, -0.2731f, 0.0523f, -0.0331f, 5.3835f, -0.1026f, -0.7318f,
-                                   0.2296f, 1.0071f, -0.0051f);
+        a = velum_calibration_make(10600.0f, 1.1257f, 0.3209f, -0.0360f, -0.1140f, 0.2280f, 2.9930f, -0.0258f, -0.0174f,
+                                   0.0349f, 0.9605f, 0.0085f);
+        b = velum_calibration_make(10600.0f, 1.3077f, 0.9596f, -0.0092f, -0.1255f, 0.0193f, 3.4413f, -0.0358f, -0.6241f,
+                                   0.2111f, 1.1528f, -0.0042f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

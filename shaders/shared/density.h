@@ -55,8 +55,8 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         n.shape_period_m = 45000.0f;
-        n.lump_period_m = 5000.0f;
-        n.fine_period_m = 480.0f;
+        n.lump_period_m = 9000.0f;
+        n.fine_period_m = 900.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
@@ -112,15 +112,11 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of cirrus, how far its trails reach; and no farther than so many thicknesses of the layer. */
 #define VELUM_TRAIL_M 3750.0f
 #define VELUM_TRAIL_MOST 5.0f
-/* Of a storm: metres of noise over a metre of height; and for how long the wind has carried its anvil, no farther than
- * so many thicknesses. */
-#define VELUM_STORM_CLIMB 0.18f
+/* Of a storm: for how long the wind has carried its anvil, no farther than so many thicknesses. */
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
 /* What an anvil covers beside its tower, over what that covers, a metre that the wind carries it. */
-#define VELUM_ANVIL_COVER_1_M 1.4e-4f
-/* The smaller its clouds the more ragged: erosion, over coverage. */
-#define VELUM_STORM_RAGGED 0.01f
+#define VELUM_ANVIL_COVER_1_M 4.5e-4f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
@@ -153,8 +149,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                 velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers; a storm with its anvil. */
-        p = velum_profile_blend(velum_profile_make(0.85f, 3.0f, 0.65f, 0.07f, 0.12f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 20.0f, 0.68f, 0.07f, 0.12f, 0.50f, 0.0f, 0.4f, 150.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.85f, 1.8f, 0.50f, 0.06f, 0.14f, 0.0f, 0.0f, 0.6f, 100.0f),
+                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.14f, 0.45f, 0.0f, 0.4f, 150.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -179,7 +175,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
-    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : slot == VELUM_SLOT_STORM ? 0.1f : p.tuck;
+    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : p.tuck;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
@@ -201,15 +197,13 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
     }
     if (slot == VELUM_SLOT_STORM) {
-        /* Towers that lean cover more than their feet, the more the smaller those are and the taller they: fitted in
-         * the same way. */
+        /* Anvils that the wind carries cover what lies beside their towers, the more the smaller those are: fitted to
+         * winds of 10 and 20 m/s. */
         float c = fields.coverage;
-        p.erosion = p.erosion + VELUM_STORM_RAGGED / VELUM_MAX(c, 0.05f);
-        float feet = velum_mix(1.0f, 0.74f + c * (0.62f - 0.2f * c), VELUM_MIN(thickness_m / 10600.0f, 1.5f));
-        feet = feet / (1.0f + VELUM_ANVIL_COVER_1_M * velum_anvil_m(fields) * (1.0f - 0.85f * c));
+        float beside = VELUM_ANVIL_COVER_1_M * velum_anvil_m(fields) * (1.0f - c) * (1.0f + 0.9f * c * c * c * c);
+        float feet = 1.0f / (1.0f + beside);
         p.coverage_scale = p.coverage_scale * feet;
-        p.density_scale = p.density_scale * (0.97f + 0.015f / VELUM_MAX(c, 0.05f)) / feet;
-        p.reach = p.reach * (0.85f + 0.15f * feet);
+        p.density_scale = p.density_scale / feet;
     }
     return p;
 }
@@ -227,11 +221,12 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_ANVIL_LOW 0.76f
 #define VELUM_ANVIL_HIGH 0.92f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
-/* Towers narrow towards the anvil: `stem` is reached at the inverse of this. */
-#define VELUM_STEM_SLOPE 2.2f
+/* Towers stand on so much of `stem`, and narrow towards the anvil: the lower the nearer they are to its rim. */
+#define VELUM_STEM_FOOT 0.45f
+#define VELUM_STEM_SLOPE 0.65f
 /* Ice: anvils thin out over so much of e; and of what they are thinner by, that share is taken from their lumps. */
-#define VELUM_ANVIL_SOFTNESS 0.6f
-#define VELUM_ANVIL_SMOOTH 0.3f
+#define VELUM_ANVIL_SOFTNESS 0.45f
+#define VELUM_ANVIL_SMOOTH 1.1f
 
 VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);
@@ -253,7 +248,7 @@ VELUM_FN float velum_threshold_least(velum_profile p, float z_low, float z_high)
 VELUM_FN float velum_threshold(velum_profile p, float z) {
     float g = velum_threshold_least(p, z, z);
     if (p.stem > 0.0f) {
-        g = g + p.stem * VELUM_MIN(VELUM_STEM_SLOPE * z, 1.0f) * (1.0f - velum_anvil(z));
+        g = g + p.stem * (VELUM_STEM_FOOT + VELUM_STEM_SLOPE * z) * (1.0f - velum_anvil(z));
     }
     return g;
 }

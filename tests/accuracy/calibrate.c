@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "columns.h"
 #include "shared/hash.h"
@@ -218,9 +219,25 @@ static void write_table(FILE *file, const row rows[12]) {
           file);
 }
 
+/* Rows of the kinds that are named, to be put into the table by hand: all of them take ten minutes. */
+static int measure_named(const core_noise *noise, const kind_knot knots[12], char **names, int count) {
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < 12; k++) {
+            row r;
+            if (strcmp(names[i], knots[k].name) == 0 && measure_kind(noise, &knots[k], &r)) {
+                write_row(stdout, "", "", &r, "");
+                found++;
+            }
+        }
+    }
+    return found == count ? 0 : 1;
+}
+
 int main(int argc, char **argv) {
-    if (argc != 2) {
-        fprintf(stderr, "usage: velum-calibrate OUTPUT (shaders/shared/calibration.h, then clang-format)\n");
+    if (argc < 2 || (argc > 2 && strcmp(argv[1], "-") != 0)) {
+        fprintf(stderr, "usage: velum-calibrate OUTPUT (shaders/shared/calibration.h, then clang-format)\n"
+                        "       velum-calibrate - KIND... (rows of it)\n");
         return 2;
     }
     const kind_knot knots[12] = {
@@ -234,6 +251,11 @@ int main(int argc, char **argv) {
     row rows[12];
     core_noise *noise = core_noise_create();
     bool ok = noise != NULL;
+    if (ok && argc > 2) {
+        int status = measure_named(noise, knots, argv + 2, argc - 2);
+        core_noise_destroy(noise);
+        return status;
+    }
     for (int k = 0; k < 12 && ok; k++) {
         ok = measure_kind(noise, &knots[k], &rows[k]);
     }
