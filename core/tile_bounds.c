@@ -13,6 +13,13 @@ static float unit(uint16_t stored) {
     return (float)stored * (1.0f / 65535.0f);
 }
 
+static velum_slot_fields fields_of(const core_tile_slot *from, size_t i) {
+    const uint16_t *a = from->a + i * 4;
+    const uint16_t *b = from->b + i * 4;
+    return velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]), unit(b[1]), unit(b[2]),
+                                  unit(b[3]));
+}
+
 /* Change from one texel to its neighbours, over a metre, at most: between texels fields are bilinear. */
 typedef struct slopes {
     float wind_1_s, coverage_1_m, height, kind_1_m;
@@ -64,8 +71,27 @@ static float lean_change(uint32_t slot, slopes change) {
     }
 }
 
-static float page_most_1_m(velum_slot_fields f, velum_profile p) {
-    return f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
+/* What a storm's anvils take from its towers is most where it covers least, and mixed states may do that in its wind.
+ */
+static float page_most_1_m(uint32_t slot, velum_slot_fields f, velum_profile p) {
+    float most = f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
+    if (slot == VELUM_SLOT_STORM) {
+        velum_slot_fields least = f;
+        least.coverage = 0.0f;
+        most *= (1.0f + velum_beside(least)) / (1.0f + velum_beside(f));
+    }
+    return most;
+}
+
+/* Effective coverage changes so many times as fast as coverage, beyond what it does in calm air. */
+static float coverage_factor(const core_tile_slot *from, uint32_t slot) {
+    float most = 0.0f;
+    for (size_t i = 0; slot == VELUM_SLOT_STORM && i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
+        velum_slot_fields f = fields_of(from, i);
+        f.coverage = 0.0f;
+        most = fmaxf(most, velum_beside(f));
+    }
+    return 1.0f + VELUM_BESIDE_SLOPE * most;
 }
 
 /* Coverage as velum_excess takes it, at most: a storm's is largest in calm air, and winds may cancel between texels. */
@@ -86,11 +112,8 @@ static velum_profile profile_of(uint32_t slot, velum_slot_fields f) {
 /* Of each texel. */
 static void fill_effective(const core_tile_slot *from, uint32_t slot, float out[VELUM_TILE_SIDE * VELUM_TILE_SIDE]) {
     for (size_t i = 0; i < VELUM_TILE_SIDE * VELUM_TILE_SIDE; i++) {
-        const uint16_t *a = from->a + i * 4;
-        const uint16_t *b = from->b + i * 4;
-        velum_slot_fields f = velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]),
-                                                     unit(b[1]), unit(b[2]), unit(b[3]));
-        out[i] = a[0] > 0 ? effective_coverage(slot, f, profile_of(slot, f)) : 0.0f;
+        velum_slot_fields f = fields_of(from, i);
+        out[i] = from->a[i * 4] > 0 ? effective_coverage(slot, f, profile_of(slot, f)) : 0.0f;
     }
 }
 
@@ -144,7 +167,7 @@ static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t t
     const velum_profile p = profile_of(slot, f);
     /* Where coverage runs out, too: the fewer and smaller its clouds, the denser they are. */
     out->most[0] = fmaxf(out->most[0], effective_coverage(slot, f, p));
-    out->most[1] = fmaxf(out->most[1], page_most_1_m(f, p));
+    out->most[1] = fmaxf(out->most[1], page_most_1_m(slot, f, p));
     out->most[2] = first ? p.reach : fminf(out->most[2], p.reach);
     out->most[3] = fmaxf(out->most[3], p.power);
     const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};
@@ -187,7 +210,7 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
     if (!even) {
         slopes change = slopes_of(from, side_m / (float)VELUM_TILE_TEXELS);
         out->shape[0] = change.wind_1_s;
-        out->shape[1] = change.coverage_1_m;
+        out->shape[1] = change.coverage_1_m * coverage_factor(from, slot);
         out->shape[2] = change.height;
         out->shape[3] = lean_change(slot, change);
     }

@@ -78,7 +78,7 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
     vec4 of = vec4(f.kind, f.coverage, f.top_m - f.base_m, f.extinction_1_m);
     float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
     bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
-                abs(anvil_m - memo.anvil_m) < 10.0;
+                abs(anvil_m - memo.anvil_m) < 2.0;
     if (slot != memo.slot || !near) {
         memo.profile = velum_profile_of(slot, f);
         memo.of = of;
@@ -186,9 +186,12 @@ float sun_share(cloud_hit hit, float mu_sun, float closed) {
 /* Half of what a column's rank changes by over a step of a period, on the mean. */
 const float step_spread = 1.0;
 
-/* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; the fields are
- * those of r. */
-float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
+/* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
+const float face_m = 1000.0;
+
+/* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; of the fields
+ * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever the fine detail. */
+vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
     float ahead = sun_reach_m(f, hit.height_m, mu_sun);
@@ -197,15 +200,20 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     float count = float(max(steps, 2));
     float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
     float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
+    vec2 rate = face_rate(hit.tile, hit.normal, eye.sun.xyz) *
+                (float(VELUM_TILE_TEXELS) / (float(VELUM_TILE_SIDE) * hit.tile.side_m));
     float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
     float depth = 0.0;
     float done = 0.0;
+    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
+    float falls = 0.0;
     for (int i = 0; i < steps; ++i) {
         float t = done + dt * (i == 0 ? start : 0.5);
         float h = hit.height_m + t * mu_sun;
         vec3 p = hit.r + eye.sun.xyz * t;
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
-        float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
+        float coverage = slot_coverage(hit.tile, hit.slot, hit.tile.uv + rate * t);
+        float e = velum_excess(hit.profile, coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
         if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
@@ -213,10 +221,11 @@ float sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
                                      STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * dt);
         depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
+        falls = i == 0 || t < face_m ? (here - velum_margin(hit.profile, e, z, lump, 0.5)) / max(t, 1.0) : falls;
         done += dt;
         dt *= ratio;
     }
-    return depth * f.extinction_1_m;
+    return vec2(depth * f.extinction_1_m, falls);
 }
 
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
@@ -249,9 +258,10 @@ const float deck_face = 0.38, deck_tilt = 0.29;
  */
 const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
-const float storm_walls = 0.15; /* ... and most of what their flanks see */
-const float storm_turned = 0.7, storm_meets = 0.4;
-const float face_m = 300.0;     /* over which a storm's faces are looked at: half of its lumps */
+const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
+/* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
+ * what flanks see, to the scene `thunderstorm`. */
+const float storm_turned = 0.7, storm_meets = 0.55;
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.0, falls = 1.8;
@@ -265,19 +275,6 @@ const float widened_share = 0.62, widened_loss = 0.21;
 struct ways_out {
     float up, down, flank; /* optical depths */
 };
-
-/* How straight the sun meets the face of a storm that a place lies behind: the change of margin on the way there, over
- * what it is on the mean straight through a flank; about -1..1. */
-float sun_meets(cloud_hit hit, float mu_sun) {
-    velum_slot_fields f = hit.fields;
-    vec3 p = hit.r + eye.sun.xyz * face_m;
-    float h = hit.height_m + mu_sun * face_m;
-    float z = clamp((h - f.base_m) / max(f.top_m - f.base_m, 1.0), 0.0, 1.0);
-    float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
-    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
-    float there = velum_margin(hit.profile, e, z, lump_noise(hit.slot, f, p), 0.5);
-    return (here - there) * flank_share / (eye.slots[hit.slot].shape_0.w * face_m);
-}
 
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
@@ -295,7 +292,7 @@ ways_out ways_out_of(cloud_hit hit) {
 }
 
 /* Per unit of scattering; `depth`: towards the sun. */
-vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth) {
+vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth, float falls_1_m) {
     float whole = ways.up + ways.down + depth;
     /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
     whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
@@ -318,14 +315,16 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float deep = even;
     if (storm && !is_fringe(hit)) {
-        deep *= clamp(storm_turned + storm_meets * sun_meets(hit, mu_sun), 0.2, 1.3);
+        float straight = falls_1_m * flank_share / eye.slots[hit.slot].shape_0.w;
+        deep *= storm_turned + storm_meets * straight * inversesqrt(1.0 + straight * straight);
     }
     float dark = down + max(flank - lit, 0.0);
     float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
-    float walls = storm ? max(hit.fields.coverage, storm_walls) : walls_seen * hit.fields.coverage;
+    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls)
+                        : walls_seen * hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * even * sun, walls);
     float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
     carved = is_fringe(hit) ? 0.0 : carved;
@@ -402,10 +401,10 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun, closed);
-    float depth = STUDIED(study_sun_depth(hit.r, sun_depth(hit, mu_sun, steps, start)),
-                          sun_depth(hit, mu_sun, steps, start));
+    vec2 towards = sun_depth(hit, mu_sun, steps, start);
+    float depth = STUDIED(study_sun_depth(hit.r, towards.x), towards.x);
     ways_out ways = ways_out_of(hit);
-    vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth);
+    vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth, towards.y);
     if (velum_closes && closed > 0.0) {
         vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
         source = uniform_layer ? tabled : mix(source, tabled, closed);

@@ -115,17 +115,22 @@ float leave(vec2 within, vec2 rate) {
     return min(left.x, left.y) * 0.98;
 }
 
-/* How far along a ray the tile that was asked for reaches (x): beyond it, another page may hold. And the square between
- * the page's four texels, in that tile (y). */
-vec2 tile_reach_m(tile_place place, vec3 normal, vec3 direction) {
+/* Metres on a tile's face that a metre along a direction is. */
+vec2 face_rate(tile_place place, vec3 normal, vec3 direction) {
     vec3 n = face_turned(place.face, normal);
     vec3 d = face_turned(place.face, direction);
     vec2 t = n.yz / n.x;
     vec2 turn = (d.yz - t * d.x) / (n.x * (1.0 + t * t) * VELUM_WGS84_B_M);
-    vec2 rate_m = turn * (0.5 * 1.2732395 * VELUM_TILE_FACE_M);
-    float tile_m = leave(place.own, rate_m / place.own_m);
+    return turn * (0.5 * 1.2732395 * VELUM_TILE_FACE_M);
+}
+
+/* How far along a ray the tile that was asked for reaches (x): beyond it, another page may hold. And the square between
+ * the page's four texels, in that tile (y). */
+vec2 tile_reach_m(tile_place place, vec3 normal, vec3 direction) {
+    vec2 rate = face_rate(place, normal, direction);
+    float tile_m = leave(place.own, rate / place.own_m);
     vec2 texel = place.uv * float(VELUM_TILE_SIDE) - 0.5;
-    float texels_m = leave(fract(texel), rate_m * (float(VELUM_TILE_TEXELS) / place.side_m));
+    float texels_m = leave(fract(texel), rate * (float(VELUM_TILE_TEXELS) / place.side_m));
     return vec2(tile_m, min(tile_m, texels_m));
 }
 
@@ -157,6 +162,23 @@ velum_slot_fields slot_fields_of(uint pages, vec2 uv) {
 velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
     uint word = wanted ? place.entry + VELUM_TABLE_PAGES + uint(slot) : 0u;
     return slot_fields_of(wanted ? table[word] : (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE, place.uv);
+}
+
+float page_coverage(uint page, vec2 uv) {
+    float safe = float(page == VELUM_PAGE_NONE ? 0u : page);
+    return page == VELUM_PAGE_NONE ? 0.0 : textureLod(tiles_a, vec3(uv, safe), 0.0).x;
+}
+
+/* Of a slot elsewhere in a tile's page, or at its border where that lies beyond. */
+float slot_coverage(tile_place place, int slot, vec2 uv) {
+    const float border = 0.5 / float(VELUM_TILE_SIDE);
+    vec2 within = clamp(uv, border, 1.0 - border);
+    uint pages = table[place.entry + VELUM_TABLE_PAGES + uint(slot)];
+    float coverage = page_coverage(pages & 0xffffu, within);
+    if (velum_mixes) {
+        coverage = mix(coverage, page_coverage(pages >> 16u, within), eye.weather.y);
+    }
+    return coverage;
 }
 
 /* Trails of cirrus follow fibres, however bent: what a column leans by is stretched alone. */
@@ -216,10 +238,10 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
     return drifted_detail(slot, f, r, eye.slots[slot].fine_0, eye.slots[slot].fine_1, eye.slots[slot].optics.w);
 }
 
-/* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e; of
- * these no more than so many periods of lumps stand for one of shape. Not bounds (ranks rise faster over a few texels):
+/* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e. Not
+ * bounds (ranks rise faster over a few texels):
  * with longer ways rays pass over towers (test `gpu query`), and storms are striped. */
-const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.016, lump_periods = 5.0;
+const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.016;
 
 /* Along a ray that rises so much a metre, m: over excess that a column lacks, and over a margin below 0. */
 vec2 clear_ways_m(int slot, velum_slot_fields f, velum_profile profile, float rise) {
@@ -227,7 +249,7 @@ vec2 clear_ways_m(int slot, velum_slot_fields f, velum_profile profile, float ri
     float period_m = 1.0 / (eye.slots[slot].shape_0.w * lean);
     float way = slot == VELUM_SLOT_STORM ? storm_way : rank_way;
     float rank_m = f.coverage * profile.coverage_scale * way * period_m;
-    return vec2(rank_m, min(margin_way * min(period_m, lump_periods / eye.slots[slot].lump_0.w), rank_m));
+    return vec2(rank_m, min(margin_way * period_m, rank_m));
 }
 
 #endif

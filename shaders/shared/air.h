@@ -138,8 +138,7 @@ VELUM_FN float velum_flux_under(float depth, float g, float mu_sun) {
 /* Clear air; depth: of what turns light, straight up. Flux of sun and sky on black ground over the sun's own, whose
  * light passes `slant` such depths; and the share of the ground's light that the air sends back. */
 VELUM_FN float velum_sky_gain(float depth, float slant) {
-    float mu = 1.0f / slant;
-    return ((mu + 0.666666667f) * VELUM_EXP(depth * slant) + 0.666666667f - mu) / (1.333333333f + depth);
+    return velum_flux_under(depth, 0.0f, 1.0f / slant) * VELUM_EXP(depth * slant);
 }
 VELUM_FN float velum_sky_back(float depth) {
     return depth / (1.333333333f + depth);

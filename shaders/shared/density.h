@@ -115,7 +115,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of a storm: for how long the wind has carried its anvil, no farther than so many thicknesses. */
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
-/* What an anvil covers beside its tower, over what that covers, a metre that the wind carries it. */
+/* Of velum_beside at no cover, a metre that the wind carries an anvil. */
 #define VELUM_ANVIL_COVER_1_M 4.5e-4f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
@@ -136,6 +136,15 @@ VELUM_FN float velum_anvil_lag_s(velum_slot_fields f) {
 VELUM_FN float velum_anvil_m(velum_slot_fields f) {
     return velum_anvil_lag_s(f) * velum_wind_m_s(f);
 }
+
+/* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
+ * is. Fitted to winds of 10 and 20 m/s. */
+VELUM_FN float velum_beside(velum_slot_fields f) {
+    float c = f.coverage;
+    return VELUM_ANVIL_COVER_1_M * velum_anvil_m(f) * (1.0f - c) * (1.0f + 0.9f * c * c * c * c);
+}
+/* Its change with coverage at most, over its value at no cover: at full cover. */
+#define VELUM_BESIDE_SLOPE 1.9f
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float kind = fields.kind;
@@ -197,11 +206,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
     }
     if (slot == VELUM_SLOT_STORM) {
-        /* Anvils that the wind carries cover what lies beside their towers, the more the smaller those are: fitted to
-         * winds of 10 and 20 m/s. */
-        float c = fields.coverage;
-        float beside = VELUM_ANVIL_COVER_1_M * velum_anvil_m(fields) * (1.0f - c) * (1.0f + 0.9f * c * c * c * c);
-        float feet = 1.0f / (1.0f + beside);
+        float feet = 1.0f / (1.0f + velum_beside(fields));
         p.coverage_scale = p.coverage_scale * feet;
         p.density_scale = p.density_scale / feet;
     }
@@ -224,7 +229,8 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 /* Towers stand on so much of `stem`, and narrow towards the anvil: the lower the nearer they are to its rim. */
 #define VELUM_STEM_FOOT 0.45f
 #define VELUM_STEM_SLOPE 0.65f
-/* Ice: anvils thin out over so much of e; and of what they are thinner by, that share is taken from their lumps. */
+/* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is
+ * carved off them. */
 #define VELUM_ANVIL_SOFTNESS 0.45f
 #define VELUM_ANVIL_SMOOTH 1.1f
 

@@ -219,23 +219,25 @@ static void write_table(FILE *file, const row rows[12]) {
           file);
 }
 
-/* Rows of the kinds that are named, to be put into the table by hand: all of them take ten minutes. */
-static int measure_named(const core_noise *noise, const kind_knot knots[12], char **names, int count) {
-    int found = 0;
+/* Rows of the kinds that are named: all of them take ten minutes. */
+static bool measure_named(const core_noise *noise, const kind_knot knots[12], char **names, int count) {
     for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 12; k++) {
-            row r;
-            if (strcmp(names[i], knots[k].name) == 0 && measure_kind(noise, &knots[k], &r)) {
-                write_row(stdout, "", "", &r, "");
-                found++;
-            }
+        int k = 0;
+        while (k < 12 && strcmp(names[i], knots[k].name) != 0) {
+            k++;
         }
+        row r;
+        if (k == 12 || !measure_kind(noise, &knots[k], &r)) {
+            fprintf(stderr, "velum-calibrate: %s %s\n", names[i], k == 12 ? "is no kind" : "was not measured");
+            return false;
+        }
+        write_row(stdout, "", "", &r, "");
     }
-    return found == count ? 0 : 1;
+    return true;
 }
 
 int main(int argc, char **argv) {
-    if (argc < 2 || (argc > 2 && strcmp(argv[1], "-") != 0)) {
+    if (argc < 2 || (argc > 2) != (strcmp(argv[1], "-") == 0)) {
         fprintf(stderr, "usage: velum-calibrate OUTPUT (shaders/shared/calibration.h, then clang-format)\n"
                         "       velum-calibrate - KIND... (rows of it)\n");
         return 2;
@@ -252,9 +254,9 @@ int main(int argc, char **argv) {
     core_noise *noise = core_noise_create();
     bool ok = noise != NULL;
     if (ok && argc > 2) {
-        int status = measure_named(noise, knots, argv + 2, argc - 2);
+        ok = measure_named(noise, knots, argv + 2, argc - 2);
         core_noise_destroy(noise);
-        return status;
+        return ok ? 0 : 1;
     }
     for (int k = 0; k < 12 && ok; k++) {
         ok = measure_kind(noise, &knots[k], &rows[k]);
