@@ -190,7 +190,8 @@ const float step_spread = 1.0;
 const float face_m = 1000.0;
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; of the fields
- * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever the fine detail. */
+ * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever
+ * the fine detail. */
 vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
@@ -206,7 +207,7 @@ vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     float depth = 0.0;
     float done = 0.0;
     float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
-    float falls = 0.0;
+    float falls_1_m = 0.0;
     for (int i = 0; i < steps; ++i) {
         float t = done + dt * (i == 0 ? start : 0.5);
         float h = hit.height_m + t * mu_sun;
@@ -221,11 +222,12 @@ vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
                                      STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * dt);
         depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
-        falls = i == 0 || t < face_m ? (here - velum_margin(hit.profile, e, z, lump, 0.5)) / max(t, 1.0) : falls;
+        float there = velum_margin(hit.profile, e, z, lump, 0.5);
+        falls_1_m = i == 0 || t < face_m ? (here - there) / max(t, 1.0) : falls_1_m;
         done += dt;
         dt *= ratio;
     }
-    return vec2(depth * f.extinction_1_m, falls);
+    return vec2(depth * f.extinction_1_m, falls_1_m);
 }
 
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
@@ -291,8 +293,9 @@ ways_out ways_out_of(cloud_hit hit) {
     return ways;
 }
 
-/* Per unit of scattering; `depth`: towards the sun. */
-vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth, float falls_1_m) {
+/* Per unit of scattering; `depth` and `falls_1_m`: towards the sun, of sun_depth. */
+vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth,
+                   float falls_1_m) {
     float whole = ways.up + ways.down + depth;
     /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
     whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);

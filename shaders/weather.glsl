@@ -239,8 +239,8 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
 }
 
 /* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e. Not
- * bounds (ranks rise faster over a few texels):
- * with longer ways rays pass over towers (test `gpu query`), and storms are striped. */
+ * bounds (ranks rise faster over a few texels): with longer ways rays pass over towers (test `gpu query`), and storms
+ * are striped. */
 const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.016;
 
 /* Along a ray that rises so much a metre, m: over excess that a column lacks, and over a margin below 0. */

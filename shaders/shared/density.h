@@ -226,11 +226,11 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_ANVIL_LOW 0.76f
 #define VELUM_ANVIL_HIGH 0.92f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
-/* Towers stand on so much of `stem`, and narrow towards the anvil: the lower the nearer they are to its rim. */
+/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
 #define VELUM_STEM_FOOT 0.45f
 #define VELUM_STEM_SLOPE 0.65f
-/* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is
- * carved off them. */
+/* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
+ * them. */
 #define VELUM_ANVIL_SOFTNESS 0.45f
 #define VELUM_ANVIL_SMOOTH 1.1f
 
