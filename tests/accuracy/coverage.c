@@ -1,7 +1,7 @@
 /* velum-coverage: what is asked for against what is there, over 50 km squares of constant input. An
  * area with coverage c is covered c of it, its mean water path is coverage x water content x thickness, base and top
- * are percentiles over covered columns. Usage: velum-coverage [columns a side] [further places]
- * [genus] */
+ * are percentiles over covered columns. Usage:
+ * velum-coverage [columns a side] [further places] [genus] */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
