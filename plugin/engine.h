@@ -47,10 +47,12 @@ typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
+    PASS_DUE,                                /* rays of views that stand */
     PASS_MARCH,                              /* eight */
     PASS_LIGHT = PASS_MARCH + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
-    PASS_MARCH_STUDY, /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
+    PASS_GATHER_KEEPS, /* where history is kept */
+    PASS_MARCH_STUDY,  /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
     PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* eight */
     PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* twenty-four */
     /* Of everything; from here on made with the first eye that wants them. */

@@ -11,6 +11,7 @@
 
 /* After the headers: they need uint32_t. */
 #include "air.spv.h"
+#include "due.spv.h"
 #include "gather.spv.h"
 #include "glow.spv.h"
 #include "light.spv.h"
@@ -140,7 +141,7 @@ static bool is_resolve(pass which) {
 }
 
 VkPipelineLayout pipelines_layout(const pipelines *p, pass which) {
-    if (which >= PASS_MARCH && which < PASS_SHADOW) {
+    if (which >= PASS_DUE && which < PASS_SHADOW) {
         return p->layout_view;
     }
     if (which >= PASS_SHADOW && which < PASS_RESOLVE) {
@@ -164,7 +165,7 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 8 of resolve.comp. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
@@ -194,11 +195,13 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_AIR] = {velum_air_spv, sizeof velum_air_spv},
         [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
+        [PASS_DUE] = {velum_due_spv, sizeof velum_due_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_LIGHT + PASS_FRINGED] = {velum_light_fringed_spv, sizeof velum_light_fringed_spv},
         [PASS_GATHER] = {velum_gather_spv, sizeof velum_gather_spv},
+        [PASS_GATHER_KEEPS] = {velum_gather_spv, sizeof velum_gather_spv},
         [PASS_MARCH_STUDY] = {velum_march_study_spv, sizeof velum_march_study_spv},
         [PASS_MARCH_STUDY + PASS_FRINGED] = {velum_march_study_fringed_spv, sizeof velum_march_study_fringed_spv},
         [PASS_SHADOW] = {velum_shadow_spv, sizeof velum_shadow_spv},
@@ -249,7 +252,7 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .ground = resolves && kind & PASS_GROUND,
                             .depth = resolves && kind & PASS_DEPTH,
                             .moves = resolves && kind & PASS_MOVES,
-                            .keeps = resolves && kind & PASS_KEEPS};
+                            .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS)};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 

@@ -345,7 +345,9 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
 /* For what is in sight of an eye. */
 typedef struct view_passes {
     pass march, light; /* light PASS_COUNT: none; studies light as they go */
-    pass resolve;      /* without ground */
+    pass gather;
+    pass resolve;   /* without ground */
+    bool has_turns; /* not all rays are due */
 } view_passes;
 
 static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
@@ -355,19 +357,26 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
-        return (view_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT, resolve};
+        return (view_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT, PASS_COUNT, resolve, false};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
-    return (view_passes){(pass)(PASS_MARCH + kind + closed), (pass)(PASS_LIGHT + kind + closed), resolve};
+    return (view_passes){.march = (pass)(PASS_MARCH + kind + closed),
+                         .light = (pass)(PASS_LIGHT + kind + closed),
+                         .gather = history->way == HISTORY_KEEPS ? PASS_GATHER_KEEPS : PASS_GATHER,
+                         .resolve = resolve,
+                         .has_turns = history->calm_turns != 0};
 }
 
 static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
-    pass needed[5] = {passes->march, passes->resolve};
+    pass needed[6] = {passes->march, passes->resolve};
     uint32_t count = 2;
     if (passes->light != PASS_COUNT) {
         needed[count++] = passes->light;
-        needed[count++] = PASS_GATHER;
+        needed[count++] = passes->gather;
+    }
+    if (passes->has_turns) {
+        needed[count++] = PASS_DUE;
     }
     if (f->flags & VELUM_VIEW_GROUND) {
         needed[count++] = (pass)(passes->resolve + PASS_GROUND);
@@ -375,24 +384,43 @@ static bool make_passes(engine *e, const view_passes *passes, const velum_view_f
     return pipelines_need(&e->passes, &e->g, needed, count);
 }
 
+/* Over a list of the view's. */
+static void record_list(view *v, VkCommandBuffer commands, pass which, VkDeviceSize at) {
+    engine *e = v->eye->e;
+    e->g.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
+    e->g.CmdDispatchIndirect(commands, v->lit.buffer, at);
+}
+
+/* Each ray that is due. */
+static void record_rays(view *v, VkCommandBuffer commands, const velum_view_block *block, pass which, bool has_turns) {
+    if (has_turns) {
+        record_list(v, commands, which, VELUM_LIT_DISPATCH_BYTES);
+    } else {
+        record_dispatch(v->eye->e, commands, which, block->march_size[0], block->march_size[1]);
+    }
+}
+
 /* Rays; the light of the places that they have found; both together. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block, const view_passes *which) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-    const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
-                                  VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    const VkPipelineStageFlags2 reads = compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    record_dispatch(e, commands, which->march, block->march_size[0], block->march_size[1]);
+    const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | write |
+                                  VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+    if (which->has_turns) {
+        record_dispatch(e, commands, PASS_DUE, block->march_size[0], block->march_size[1]);
+        gpu_barrier(g, commands, compute, write, reads, access);
+    }
+    record_rays(v, commands, block, which->march, which->has_turns);
     if (which->light == PASS_COUNT) {
         return;
     }
-    gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    g->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which->light]);
-    g->CmdDispatchIndirect(commands, v->lit.buffer, 0);
-    gpu_barrier(g, commands, compute, write, compute, access);
-    record_dispatch(e, commands, PASS_GATHER, block->march_size[0], block->march_size[1]);
+    gpu_barrier(g, commands, compute, write, reads, access);
+    record_list(v, commands, which->light, 0);
+    gpu_barrier(g, commands, compute, write, reads, access);
+    record_rays(v, commands, block, which->gather, which->has_turns);
 }
 
 /* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do
@@ -468,7 +496,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, write,
                 compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
-    const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0};
+    const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0, VELUM_LIT_COLUMNS, 0, 1, 0};
     g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof no_places, no_places);
     if (tiles_begin) {
         /* As restless as can be, and no frame. */

@@ -30,7 +30,7 @@ static void finish_rays(gpu *g, view *v) {
 static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * VELUM_LIT_PLACES * sizeof(uint32_t);
+    const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * (VELUM_LIT_PLACES + 1) * sizeof(uint32_t);
     const VkDeviceSize tiles_w = (w + VELUM_TILE_RAYS_W - 1) / VELUM_TILE_RAYS_W;
     const VkDeviceSize ray_count = (VkDeviceSize)w * h + tiles_w * ((h + VELUM_TILE_RAYS_H - 1) / VELUM_TILE_RAYS_H);
     bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&

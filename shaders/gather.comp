@@ -1,25 +1,40 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-/* Each ray: the light of its places, behind the air before them. */
+/* Each ray: the light of its places, behind the air before them. Where history is kept, it gets it here. */
 #include "air.glsl"
 #include "lit.glsl"
 #define VELUM_NOTHING (lit_layers - 1u)
-#include "view.glsl"
+#include "due.glsl"
+#include "history.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
 
-void main() {
-    ivec2 block = dealt_group() * VELUM_GROUP + ivec2(gl_LocalInvocationID.xy);
-    if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y) || !block_has_ray(block)) {
+layout(constant_id = 8) const bool keeps = false;
+
+/* No host's surface is in sight where history is kept. */
+void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
+    ivec2 pixel = block * ray_block_size() + ray_turn(block.y);
+    if (pixel.x >= int(view.size.x) || pixel.y >= int(view.size.y)) {
         return;
     }
-    if (calm_turns() != 0u && block.x % VELUM_TILE_RAYS_W == 0 && block.y % VELUM_TILE_RAYS_H == 0) {
-        uint tile = ray_tile_of(block);
-        uint restless = min(rays[tile].x, VELUM_RESTLESS_MOST);
-        rays[tile].x = restless - restless / VELUM_RESTLESS_FRAMES;
+    bool ended;
+    cloud_pixel old = standing_at(pixel, ended);
+    cloud_pixel fresh = cloud_pixel(light, distance_m, 1.0, vec4(0.0));
+    cloud_pixel cloud = with_ray(old, min(old.samples, view.scale.w), fresh);
+    history_store(pixel, cloud, false, false, 0u);
+    sky_light sky = sky_light_at(ray.direction, ground_distance(ray.origin, ray.direction) >= 0.0);
+    vec4 change = cloud.change * vec4(vec3(VELUM_LUMINANCE_UNIT), 1.0);
+    change.rgb += change.a * sky.luminance;
+    history_unrest(block, change, cloud.light.rgb * VELUM_LUMINANCE_UNIT + cloud.light.a * sky.luminance);
+}
+
+void main() {
+    ivec2 block;
+    if (!due_block(block)) {
+        return;
     }
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
     vec4 found = texelFetch(march_light, block, 0);
@@ -33,6 +48,10 @@ void main() {
     distance_m += any ? sum.a / found.y : 0.0;
     view_ray ray = ray_of_pixel(ray_pixel(block));
     vec3 light = air_before_cloud(ray.origin, ray.direction, sum.rgb, found.a, distance_m, any);
-    imageStore(light_out, block, vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a));
+    vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a);
+    imageStore(light_out, block, whole);
     imageStore(distance_out, block, vec4(distance_m));
+    if (keeps) {
+        keep(block, ray, whole, distance_m);
+    }
 }

@@ -10,6 +10,7 @@
 layout(set = 1, binding = VELUM_BIND_LIT, std430) buffer lit_buffer {
     uint lit_columns, lit_rows, lit_layers; /* of the dispatch */
     uint lit_count;                         /* of the list */
+    uint due_columns, due_rows, due_layers, due_count; /* see due.glsl */
     vec4 lit[];
 };
 layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {

@@ -6,7 +6,7 @@
 #include "air.glsl"
 #include "lit.glsl"
 #define VELUM_NOTHING (lit_layers - 1u)
-#include "view.glsl"
+#include "due.glsl"
 #include "weather.glsl"
 #include "study.glsl"
 #include "cloud_light.glsl"
@@ -31,8 +31,6 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* Where the host has no surface. */
-const float far_off_m = 1.0e9;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -63,35 +61,9 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     return min(here, velum_threshold_least(hit.profile, min(low, 1.0), max(high, 0.0)));
 }
 
-/* Calm tiles take turns, in another frame of each round, so that all their pixels do. `end_m`: the host's surface; where
- * that has come or gone a ray is due. */
-bool takes_turn(ivec2 block, float end_m) {
-    if (calm_turns() == 0u) {
-        return true;
-    }
-    ivec2 side = ivec2(VELUM_TILE_RAYS_W, VELUM_TILE_RAYS_H);
-    ivec2 here = min(ivec2(view.march_size.xy) - block / side * side, side);
-    const float threshold = VELUM_RESTLESS * float(VELUM_RESTLESS_UNIT * VELUM_RESTLESS_FRAMES);
-    bool restless = float(rays[ray_tile_of(block)].x) >= threshold * float(here.x * here.y);
-    float before_m = uintBitsToFloat(rays[ray_of(block)].y);
-    uint frame = view.march_size.w;
-    uint turns = view.march_size.z * view.steps.w;
-    uvec2 area = uvec2(block) / uvec2(8u, 4u);
-    uint shift = turns > 1u ? frame / turns : 0u;
-    bool takes = restless || !alike(end_m, before_m) || (frame + shift + area.x + 2u * area.y) % calm_turns() == 0u;
-    if (takes) {
-        rays[ray_of(block)] = uvec2(frame, floatBitsToUint(end_m));
-    }
-    return takes;
-}
-
 void main() {
-    /* Eight neighbours in a row of invocations stand 4 x 2 in the picture: they go the same way more often. */
-    uint lane = gl_LocalInvocationIndex & 7u;
-    uint row = gl_LocalInvocationIndex >> 3u;
-    ivec2 block = dealt_group() * VELUM_GROUP +
-                  ivec2((row & 1u) * 4u + (lane & 3u), (row >> 1u) * 2u + (lane >> 2u));
-    if (block.x >= int(view.march_size.x) || block.y >= int(view.march_size.y)) {
+    ivec2 block;
+    if (!due_block(block)) {
         return;
     }
     ivec2 pixel = ray_pixel(block);
@@ -99,9 +71,6 @@ void main() {
 
     float end = view.march.z;
     float solid = host_distance(pixel, ray);
-    if (!takes_turn(block, solid < 0.0 ? far_off_m : solid)) {
-        return;
-    }
     if (solid < 0.0) {
         solid = ground_distance(ray.origin, ray.direction);
     }

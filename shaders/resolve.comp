@@ -3,7 +3,7 @@
 /* Every pixel: this frame's rays where there is one, moved history elsewhere; then sky, air and ground around it. */
 #include "air.glsl"
 #include "shared/hash.h"
-#include "view.glsl"
+#include "history.glsl"
 /* Positions from the eye: the block is shifted to it. */
 #define VELUM_SHADOW_SET 0
 #define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
@@ -12,10 +12,6 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
-layout(set = 1, binding = VELUM_BIND_HISTORY_IN) uniform sampler2D history_in;
-layout(set = 1, binding = VELUM_BIND_HISTORY_DATA_IN) uniform sampler2D history_data_in;
-layout(set = 1, binding = VELUM_BIND_HISTORY_OUT, rgba16f) uniform writeonly image2D history_out;
-layout(set = 1, binding = VELUM_BIND_HISTORY_DATA_OUT, rg16f) uniform writeonly image2D history_data_out;
 /* resolve: the host's views are 2D (velum_vulkan_images.layers 0). resolve_layered: 2D arrays (layers >= 1). */
 #ifdef VELUM_LAYERED
 #define OUT_IMAGE image2DArray
@@ -28,7 +24,6 @@ layout(set = 1, binding = VELUM_BIND_OUT_LUMINANCE) uniform writeonly OUT_IMAGE 
 layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IMAGE transmittance_out;
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
 
-const float distance_unit_m = 100.0;
 /* Where a ray met no cloud, history is moved as if it had been so far away, or as far as rays go. */
 const float nothing_least_m = 60000.0;
 /* Below it a pixel is as good as clear. */
@@ -41,23 +36,14 @@ const float alike_pixels = 0.15;
 const float travel_m = 2.0;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
-/* So that what has none can be negative. */
-const float least_samples = 1e-3;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
- * none; nor on where history has moved to where all stands; nor on pixels without a ray where history is kept in
- * place. */
+ * none; nor on where history has moved to where all stands; nor on rays where history is kept in place: gather.comp has put
+ * them there. */
 layout(constant_id = 5) const bool draws_ground = true;
 layout(constant_id = 6) const bool has_depth = true;
 layout(constant_id = 7) const bool moves = true;
 layout(constant_id = 8) const bool keeps = false;
-
-struct cloud_pixel {
-    vec4 light; /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
-    float distance_m; /* 0: none */
-    float samples;
-    vec4 change; /* of the light, by this frame's ray; great where history was not known; 0: no ray */
-};
 
 /* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times
  * distance / distance_unit_m, and samples: filters may mix them, as they do light. Where the host's depth ended the ray,
@@ -80,10 +66,6 @@ struct past_place {
 
 float nothing_m() {
     return max(nothing_least_m, view.march.z);
-}
-
-float distance_in(float product, float opacity) {
-    return opacity > 0.0 ? product / opacity : 0.0;
 }
 
 /* Where a ray ends whose host's surface is so far away; below 0: there is none. */
@@ -247,48 +229,6 @@ bool has_ray(ivec2 pixel) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
     return pixel - block * side == ray_turn(block.y) && block_has_ray(block);
-}
-
-/* What history has is lost, or was never there. */
-const vec4 lost = vec4(1.0e4);
-
-/* History where it stands. A filter's weights have 8 bits: it would bleed into its neighbours frame by frame. */
-cloud_pixel standing_at(ivec2 pixel, out bool ended) {
-    vec2 data = texelFetch(history_data_in, pixel, 0).rg;
-    cloud_pixel old;
-    old.light = texelFetch(history_in, pixel, 0);
-    old.distance_m = distance_in(data.x, 1.0 - old.light.a) * distance_unit_m;
-    old.samples = abs(data.y);
-    old.change = vec4(0.0);
-    ended = data.y < 0.0;
-    return old;
-}
-
-/* With a ray of its own more. */
-cloud_pixel with_ray(cloud_pixel old, float count, cloud_pixel fresh) {
-    float n = count < 1.0 ? 1.0 : count + 1.0;
-    float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (n - 1.0) : 0.0;
-    float all = opacity + 1.0 - fresh.light.a;
-    cloud_pixel result;
-    result.light = mix(old.light, fresh.light, 1.0 / n);
-    result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
-    result.samples = min(n, 1024.0);
-    result.change = fresh.light - old.light;
-    return result;
-}
-
-/* Where history is kept. */
-cloud_pixel kept_cloud(ivec2 pixel) {
-    bool ended;
-    cloud_pixel old = standing_at(pixel, ended);
-    if (has_ray(pixel)) {
-        ivec2 block = pixel / ray_block_size();
-        cloud_pixel fresh = old;
-        fresh.light = texelFetch(march_light, block, 0);
-        fresh.distance_m = texelFetch(march_distance, block, 0).r;
-        old = with_ray(old, min(old.samples, view.scale.w), fresh);
-    }
-    return old;
 }
 
 /* `hit_m`: the host's surface; below 0: none. */
@@ -459,17 +399,6 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     return result;
 }
 
-/* x >= 0 in 16 bits. In motion one of the two numbers about it, the nearer more often: cut off, as some devices do, each
- * frame that hands light on would take 0.05 % of it. At rest the nearer. What 16 bits hold stays as it is. */
-vec4 as_half(vec4 x, uint chance) {
-    const uint below = 0x1fffu;
-    const float least = 6.103515625e-5, unit = 5.9604644775390625e-8; /* normal; denormal */
-    uvec4 chances = moves ? uvec4(chance, chance >> 6u, chance >> 12u, chance >> 18u) & below : uvec4(below / 2u);
-    vec4 normal = uintBitsToFloat((floatBitsToUint(x) + chances) & ~below);
-    vec4 small = floor(x / unit + vec4(chances) / float(below + 1u)) * unit;
-    return min(mix(normal, small, lessThan(x, vec4(least))), vec4(65504.0));
-}
-
 void main() {
     ivec2 group = dealt_group();
     if (draws_ground) {
@@ -483,14 +412,14 @@ void main() {
     view_ray ray = view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
     float hit = has_depth ? host_distance(pixel, ray) : -1.0;
     bool host = hit >= 0.0;
-    cloud_pixel cloud = keeps ? kept_cloud(pixel) : resolve_cloud(pixel, ray, hit);
-    uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);
-    vec4 held = as_half(cloud.light, chance);
-    /* Distance is got back by opacity as it is held. */
-    vec4 product = as_half(vec4((1.0 - held.a) * cloud.distance_m / distance_unit_m), chance);
-    if (!keeps || has_ray(pixel)) {
-        imageStore(history_out, pixel, held);
-        imageStore(history_data_out, pixel, vec4(product.x, host ? -max(cloud.samples, least_samples) : cloud.samples, 0.0, 0.0));
+    cloud_pixel cloud;
+    if (keeps) {
+        bool ended;
+        cloud = standing_at(pixel, ended);
+    } else {
+        cloud = resolve_cloud(pixel, ray, hit);
+        uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);
+        history_store(pixel, cloud, host, moves, chance);
     }
 
     float ground = ground_distance(ray.origin, ray.direction);
@@ -522,11 +451,8 @@ void main() {
         change += cloud.change.a * sky.luminance * share;
         transmittance *= air;
     }
-    if (calm_turns() != 0u && cloud.change != vec4(0.0)) {
-        /* Of what is seen, or of what shines through. */
-        float part = dot(abs(change), VELUM_LUMINANCE_OF) / max(dot(light, VELUM_LUMINANCE_OF), 1e-6);
-        part = min(max(part, abs(cloud.change.a)), 1.0);
-        atomicAdd(rays[ray_tile_of(pixel / ray_block_size())].x, uint(part * float(VELUM_RESTLESS_UNIT)));
+    if (!keeps) {
+        history_unrest(pixel / ray_block_size(), vec4(change, cloud.change.a), light);
     }
     if (draws_ground && !host && ground >= 0.0) {
         vec3 r = ray.origin + ray.direction * ground;

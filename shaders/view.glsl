@@ -41,8 +41,8 @@ uint calm_turns() {
 }
 
 /* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Then of each tile
- * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. The march reads that and writes the
- * blocks'; later passes the other way round. */
+ * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. due.comp writes the blocks', and lets
+ * that fade; later passes read the blocks' and add to it. */
 layout(set = 1, binding = VELUM_BIND_RAYS, std430) buffer ray_buffer {
     uvec2 rays[];
 };
@@ -56,7 +56,7 @@ uint ray_tile_of(ivec2 block) {
     return view.march_size.x * view.march_size.y + tile;
 }
 
-/* Whether a block has its ray in this frame, once the march is done. */
+/* Whether a block has its ray in this frame, once that is known (due.comp). */
 bool block_has_ray(ivec2 block) {
     return calm_turns() == 0u || rays[ray_of(block)].x == view.march_size.w;
 }

@@ -147,7 +147,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_COUNTERS 13     /* storage: uint rays, samples, light samples, missing tiles */
 #define VELUM_BIND_REFERENCE_COUNT 14
 #define VELUM_BIND_LIT 14      /* storage: velum_lit_head, then places of rays that get light (lit.glsl) */
-#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are */
+#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; then rays that are due (due.glsl) */
 #define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
 #define VELUM_BIND_VIEW_COUNT 17
 
@@ -183,11 +183,13 @@ VELUM_STRUCT(velum_shadow_level_block) {
 /* Mean difference, from which on it has rays in every frame. */
 #define VELUM_RESTLESS 0.06f
 
-/* Places of a ray at which cloud's light is found, at most; bytes of one; of the dispatch and the count before them. */
+/* Places of a ray at which cloud's light is found, at most; bytes of one; of two dispatches and counts before them: of
+ * places, of rays that are due. */
 #define VELUM_LIT_PLACES 4
 #define VELUM_LIT_BYTES 16
-#define VELUM_LIT_HEAD_BYTES 16
-/* Columns of light.comp's dispatch; rows as many as it takes. */
+#define VELUM_LIT_DISPATCH_BYTES 16
+#define VELUM_LIT_HEAD_BYTES (2 * VELUM_LIT_DISPATCH_BYTES)
+/* Columns of dispatches over lists; rows as many as it takes. */
 #define VELUM_LIT_COLUMNS 16
 
 #endif
