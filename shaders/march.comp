@@ -100,7 +100,7 @@ void main() {
     float growth = view.march.y;
     int left = int(view.steps.x);
     uint done = 0u;        /* slots already looked at in this step */
-    float advance = 1.0e9; /* from the sample on, how far nothing can begin */
+    float advance = 1.0e9; /* from the step's beginning on, how far nothing can begin */
     bool alive = position < end && eye.table.z != 0u;
 #ifdef VELUM_STUDY
     ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
@@ -169,7 +169,7 @@ void main() {
             bool present = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
             float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
             clear_tile = clear_tile || (!outside && !present);
-            advance = min(advance, away);
+            advance = min(advance, away + dt * offset);
 #ifdef VELUM_FRINGED
             room = candidate < VELUM_PART_FALL ? min(room, outside ? away : 0.0) : room;
 #endif
@@ -214,14 +214,15 @@ void main() {
         if (clear_tile || f.coverage <= 0.0) {
             reach_m = tile_reach_m(tile, normal, ray.direction);
         }
-        advance = clear_tile ? min(advance, reach_m.x) : advance;
+        advance = clear_tile ? min(advance, reach_m.x + hit.before_m) : advance;
         vec2 ways_m = clear_ways_m(slot, f, hit.profile, rise);
         float threshold = within ? velum_threshold(hit.profile, hit.height_fraction) : 0.0;
         float gap = min(max(least_excess(hit, threshold, ways_m.x, texel_m) - hit.excess, 0.0) * ways_m.x, texel_m);
         float clear = covered ? max(min(max(-hit.margin, 0.0) * ways_m.y, texel_m), gap) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
         bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
-        float own = f.coverage <= 0.0 ? reach_m.y : (within || hangs ? gap : climb);
+        /* Where bounds are known, steps begin there, and are sampled by their offset; ranks are not known as well. */
+        float own = f.coverage <= 0.0 ? reach_m.y + hit.before_m : (within || hangs ? gap : climb + hit.before_m);
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         float start_m = position;
