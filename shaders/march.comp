@@ -132,7 +132,7 @@ void main() {
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
         float spent = 1.0 - float(left) / float(view.steps.x);
-        float hurry = 1.0 + 4.0 * spent * spent * spent;
+        float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
         float long_dt = max(first_dt, min(position * growth, longest)) * hurry;
