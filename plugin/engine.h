@@ -277,7 +277,7 @@ struct view {
     uint64_t last_serial;
     uint64_t frame; /* engine's count; 0: none */
     gpu_image march_light, march_distance;
-    gpu_buffer lit;  /* of as many rays (shaders/lit.glsl): places, then their list */
+    gpu_buffer lit;  /* of as many rays (shaders/lit.glsl): places, then their list, then that of rays that are due */
     gpu_buffer rays; /* the same (shaders/view.glsl) */
     gpu_image history[2], history_data[2];
     uint32_t newest; /* of history */

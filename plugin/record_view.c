@@ -357,7 +357,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
-        return (view_passes){(pass)(PASS_MARCH_STUDY + kind), PASS_COUNT, PASS_COUNT, resolve, false};
+        return (view_passes){
+            .march = (pass)(PASS_MARCH_STUDY + kind), .light = PASS_COUNT, .gather = PASS_COUNT, .resolve = resolve};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
@@ -400,7 +401,7 @@ static void record_rays(view *v, VkCommandBuffer commands, const velum_view_bloc
     }
 }
 
-/* Rays; the light of the places that they have found; both together. */
+/* Rays, listed first where not all are due; the light of the places that they have found; both together. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block, const view_passes *which) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
@@ -496,8 +497,8 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, write,
                 compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
-    const uint32_t no_places[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0, VELUM_LIT_COLUMNS, 0, 1, 0};
-    g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof no_places, no_places);
+    const uint32_t nothing_listed[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0, VELUM_LIT_COLUMNS, 0, 1, 0};
+    g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof nothing_listed, nothing_listed);
     if (tiles_begin) {
         /* As restless as can be, and no frame. */
         g->CmdFillBuffer(commands, v->rays.buffer, 0, VK_WHOLE_SIZE, UINT32_MAX);

@@ -1,10 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-/* Where views stand: which rays are due in a frame. */
-#include "engine.glsl"
-#include "lit.glsl"
-#define VELUM_NOTHING (lit_layers - 1u)
+/* Where views stand: lists the rays that are due in a frame, and notes it of them; how restless tiles are fades. */
 #include "due.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
@@ -38,7 +35,9 @@ void main() {
             rays[ray_of(block)] = uvec2(view.march_size.w, floatBitsToUint(end_m));
         }
     }
-    barrier(); /* all of a tile know how restless it has been */
+    /* All of a tile know how restless it has been. */
+    memoryBarrierBuffer();
+    barrier();
     if (is_due && block.x % VELUM_TILE_RAYS_W == 0 && block.y % VELUM_TILE_RAYS_H == 0) {
         uint tile = ray_tile_of(block);
         uint restless = min(rays[tile].x, VELUM_RESTLESS_MOST);

@@ -3,6 +3,7 @@
 #define VELUM_DUE_GLSL
 
 #include "lit.glsl"
+#define VELUM_NOTHING (lit_layers - 1u)
 #include "view.glsl"
 
 /* An invocation's block, where all of the picture's have one; past its edges there is none. Eight neighbours in a row of

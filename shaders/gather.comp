@@ -2,8 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 /* Each ray: the light of its places, behind the air before them. Where history is kept, it gets it here. */
 #include "air.glsl"
-#include "lit.glsl"
-#define VELUM_NOTHING (lit_layers - 1u)
 #include "due.glsl"
 #include "history.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
@@ -25,6 +23,9 @@ void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
     cloud_pixel fresh = cloud_pixel(light, distance_m, 1.0, vec4(0.0));
     cloud_pixel cloud = with_ray(old, min(old.samples, view.scale.w), fresh);
     history_store(pixel, cloud, false, false, 0u);
+    if (calm_turns() == 0u) {
+        return;
+    }
     sky_light sky = sky_light_at(ray.direction, ground_distance(ray.origin, ray.direction) >= 0.0);
     vec4 change = cloud.change * vec4(vec3(VELUM_LUMINANCE_UNIT), 1.0);
     change.rgb += change.a * sky.luminance;
@@ -49,6 +50,7 @@ void main() {
     view_ray ray = ray_of_pixel(ray_pixel(block));
     vec3 light = air_before_cloud(ray.origin, ray.direction, sum.rgb, found.a, distance_m, any);
     vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a);
+    /* Later frames look between rays of earlier ones too. */
     imageStore(light_out, block, whole);
     imageStore(distance_out, block, vec4(distance_m));
     if (keeps) {

@@ -24,9 +24,6 @@ float distance_in(float product, float opacity) {
     return opacity > 0.0 ? product / opacity : 0.0;
 }
 
-/* What history has is lost, or was never there. */
-const vec4 lost = vec4(1.0e4);
-
 /* History where it stands. A filter's weights have 8 bits: it would bleed into its neighbours frame by frame. */
 cloud_pixel standing_at(ivec2 pixel, out bool ended) {
     vec2 data = texelFetch(history_data_in, pixel, 0).rg;

@@ -4,8 +4,6 @@
 /* One ray for each block of pixels: transmittance of cloud, its mean distance, and the places of it that get light
  * (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
 #include "air.glsl"
-#include "lit.glsl"
-#define VELUM_NOTHING (lit_layers - 1u)
 #include "due.glsl"
 #include "weather.glsl"
 #include "study.glsl"
@@ -100,7 +98,7 @@ void main() {
     float growth = view.march.y;
     int left = int(view.steps.x);
     uint done = 0u;        /* slots already looked at in this step */
-    float advance = 1.0e9; /* from the step's beginning on, how far nothing can begin */
+    float advance = 1.0e9; /* from the step's beginning on, how far nothing can begin; less for ranks, whose bounds are none */
     bool alive = position < end && eye.table.z != 0u;
 #ifdef VELUM_STUDY
     ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
@@ -123,7 +121,7 @@ void main() {
 
     profile_memo memo = profile_none();
 #ifdef VELUM_FRINGED
-    float room = 0.0; /* from the last sample on, how far there is nothing but what falls */
+    float room = 0.0; /* from the step's beginning on, how far there is nothing but what falls */
     const float fall_stride = 2.0; /* of a long step there: that is smooth */
 #endif
 
@@ -138,7 +136,7 @@ void main() {
         float long_dt = max(first_dt, min(position * growth, longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
-        bool strides = !is_short && room > 2.2 * fall_stride * long_dt;
+        bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
         dt = strides ? clamp(longest * hurry, dt, fall_stride * dt) : dt;
 #endif
         dt = min(dt, end - position);
@@ -171,7 +169,7 @@ void main() {
             clear_tile = clear_tile || (!outside && !present);
             advance = min(advance, away + dt * offset);
 #ifdef VELUM_FRINGED
-            room = candidate < VELUM_PART_FALL ? min(room, outside ? away : 0.0) : room;
+            room = candidate < VELUM_PART_FALL ? min(room, outside ? away + dt * offset : 0.0) : room;
 #endif
             bool fresh = !outside && present && (done & bit) == 0u;
             meets |= fresh ? bit : 0u;
@@ -253,7 +251,11 @@ void main() {
             float stride = covered ? clamp(clear, dt * share, STUDIED(max(dt, long_dt), long_dt)) : dt * share;
             longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
             allowed = 1.0e9;
-            position += STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
+            float moved_m = STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
+            position += moved_m;
+#ifdef VELUM_FRINGED
+            room -= moved_m;
+#endif
             advance = 1.0e9;
             done = 0u;
         }

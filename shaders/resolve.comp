@@ -231,6 +231,9 @@ bool has_ray(ivec2 pixel) {
     return pixel - block * side == ray_turn(block.y) && block_has_ray(block);
 }
 
+/* What history has is lost, or was never there. */
+const vec4 lost = vec4(1.0e4);
+
 /* `hit_m`: the host's surface; below 0: none. */
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 side = ray_block_size();

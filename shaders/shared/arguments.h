@@ -146,7 +146,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_DEPTH 12        /* sampler2D, or a dummy */
 #define VELUM_BIND_COUNTERS 13     /* storage: uint rays, samples, light samples, missing tiles */
 #define VELUM_BIND_REFERENCE_COUNT 14
-#define VELUM_BIND_LIT 14      /* storage: velum_lit_head, then places of rays that get light (lit.glsl) */
+#define VELUM_BIND_LIT 14      /* storage: two dispatches and counts, then places of rays that get light (lit.glsl) */
 #define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; then rays that are due (due.glsl) */
 #define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
 #define VELUM_BIND_VIEW_COUNT 17
@@ -183,8 +183,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 /* Mean difference, from which on it has rays in every frame. */
 #define VELUM_RESTLESS 0.06f
 
-/* Places of a ray at which cloud's light is found, at most; bytes of one; of two dispatches and counts before them: of
- * places, of rays that are due. */
+/* Places of a ray at which cloud's light is found, at most; bytes of one. Before them, of so many bytes each: dispatch
+ * and count of the places, then those of the rays that are due. */
 #define VELUM_LIT_PLACES 4
 #define VELUM_LIT_BYTES 16
 #define VELUM_LIT_DISPATCH_BYTES 16
