@@ -48,8 +48,7 @@ void main() {
     uint first = 0u;
     if (subgroupElect()) {
         first = atomicAdd(due_count, all);
-        uint groups = (first + all + VELUM_GROUP * VELUM_GROUP - 1u) / (VELUM_GROUP * VELUM_GROUP);
-        atomicMax(due_rows, (groups + due_columns - 1u) / due_columns);
+        atomicMax(due_rows, listed_rows(first + all));
     }
     first = subgroupMax(first) + before;
     if (is_due) {

@@ -28,8 +28,7 @@ bool due_block(out ivec2 block) {
         block = picture_block();
         return is_in_picture(block);
     }
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint index = group * uint(VELUM_GROUP * VELUM_GROUP) + gl_LocalInvocationIndex;
+    uint index = listed_index();
     bool is_due = index < due_count;
     uint ray = lit_list[due_first() + (is_due ? index : 0u)];
     block = ivec2(ray % view.march_size.x, ray / view.march_size.x);

@@ -13,8 +13,7 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 };
 
 void main() {
-    uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * (VELUM_GROUP * VELUM_GROUP) +
-                 gl_LocalInvocationIndex;
+    uint index = listed_index();
     if (index >= lit_count) {
         return;
     }

@@ -18,6 +18,16 @@ layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
     uint lit_list[];
 };
 
+/* An invocation's place in a list, in a dispatch over that; rows of such a dispatch. */
+uint listed_index() {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    return group * uint(VELUM_GROUP * VELUM_GROUP) + gl_LocalInvocationIndex;
+}
+uint listed_rows(uint count) {
+    const uint in_row = uint(VELUM_GROUP * VELUM_GROUP * VELUM_LIT_COLUMNS);
+    return (count + in_row - 1u) / in_row;
+}
+
 uint lit_first(ivec2 block, uint rays_w) {
     return (uint(block.y) * rays_w + uint(block.x)) * uint(VELUM_LIT_PLACES);
 }

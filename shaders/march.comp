@@ -321,8 +321,7 @@ void main() {
     uint list_first = 0u;
     if (subgroupElect()) {
         list_first = atomicAdd(lit_count, all);
-        uint groups = (list_first + all + VELUM_GROUP * VELUM_GROUP - 1u) / (VELUM_GROUP * VELUM_GROUP);
-        atomicMax(lit_rows, (groups + lit_columns - 1u) / lit_columns);
+        atomicMax(lit_rows, listed_rows(list_first + all));
     }
     list_first = subgroupMax(list_first) + before;
     for (uint i = 0u; i < places; ++i) {
