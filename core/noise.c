@@ -37,7 +37,8 @@ static bool make_detail(uint8_t *texels, float *field) {
     noise_field_clear(field, count);
     if (!noise_field_add_worley(field, n, DETAIL_CELLS, 0.625f, 11u) ||
         !noise_field_add_worley(field, n, 2 * DETAIL_CELLS, 0.25f, 12u) ||
-        !noise_field_add_worley(field, n, 4 * DETAIL_CELLS, 0.125f, 13u)) {
+        !noise_field_add_worley(field, n, 4 * DETAIL_CELLS, 0.125f, 13u) ||
+        !noise_field_add_worley(field, n, 8 * DETAIL_CELLS, 0.05f, 14u)) {
         return false;
     }
     double sum = 0.0;

@@ -217,7 +217,7 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float thickness = max(f.top_m - f.base_m, 1.0);
     float climb = abs(rise) / thickness;
     float carve = 1.6 * p.amplitude;
-    float up = 2.0 * p.tuck / VELUM_TUCK_TOP + VELUM_ANVIL_SLOPE * (p.stem + VELUM_ANVIL_SMOOTH * p.damp * carve);
+    float up = VELUM_ANVIL_SLOPE * (p.stem + VELUM_ANVIL_SMOOTH * p.damp * carve);
     float low = 5.0 * carve * (1.0 - p.foot) + VELUM_STEM_SLOPE * p.stem;
     float down = p.reach * p.power * pow(max(z, 1e-3), p.power - 1.0) + low;
     float along_z = climb * (rise > 0.0 ? up : down) + s.bend * (up + p.reach * p.power + low);

@@ -104,10 +104,12 @@ view_ray ray_of_pixel(ivec2 pixel) {
     return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 }
 
-/* Four numbers that differ between neighbours, in pixels and in blocks of rays. */
+/* Four numbers: each four pixels that touch have all, neighbouring blocks of rays differ, and odd and even alternate as
+ * on a chessboard: two rounds of frames leave no more between neighbours than that. */
 uint dither(ivec2 pixel) {
     ivec2 mixed = pixel + (pixel >> 2) + (pixel >> 3);
-    return uint(mixed.x + 2 * mixed.y) & 3u;
+    ivec2 pair = mixed >> 1;
+    return uint((mixed.x + mixed.y) & 1) + 2u * uint((mixed.y + pair.x + pair.y) & 1);
 }
 
 /* Share of its length at which a step is sampled: another for each pixel and each round of frames, in quarters. After

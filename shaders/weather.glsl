@@ -241,7 +241,7 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
 /* How far on a column of a higher rank may stand, in periods by rank, and cloud that lumps and detail leave, by e. Not
  * bounds (ranks rise faster over a few texels): with longer ways rays pass over towers (test `gpu query`), and storms
  * are striped. */
-const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.016;
+const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.01;
 
 /* Along a ray that rises so much a metre, m: over excess that a column lacks, and over a margin below 0. */
 vec2 clear_ways_m(int slot, velum_slot_fields f, velum_profile profile, float rise) {

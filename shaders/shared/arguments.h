@@ -117,7 +117,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_TILES_A 2 /* sampler2DArray */
 #define VELUM_BIND_TILES_B 3
 #define VELUM_BIND_SHAPE 4   /* sampler3D, R16 128^3, repeating, linear */
-#define VELUM_BIND_DETAIL 5  /* sampler3D, R16 32^3 */
+#define VELUM_BIND_DETAIL 5  /* sampler3D, R16 64^3 */
 #define VELUM_BIND_AIR 6     /* sampler2D: transmittance to space, VELUM_AIR_W x VELUM_AIR_H, RGBA16F */
 #define VELUM_BIND_AIR_OUT 7 /* the same as storage image */
 #define VELUM_BIND_SKY 8     /* sampler2D: sky of the eye, VELUM_SKY_COLUMNS x VELUM_SKY_H, RGBA16F */

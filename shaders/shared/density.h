@@ -2,7 +2,7 @@
  *
  * The includer defines before, for its own language and textures,
  *     float velum_shape_at(float x, float y, float z);   Perlin-Worley 128^3, equalised: its values are ranks, uniform
- *     float velum_detail_at(float x, float y, float z);  Worley 32^3, mean 0.5
+ *     float velum_detail_at(float x, float y, float z);  Worley 64^3, mean 0.5
  * both tiling with period 1 and filtered trilinearly.
  *
  * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is
@@ -23,9 +23,9 @@ VELUM_STRUCT(velum_profile) {
     float power;       /* of z in g: below 1 walls, above 1 domes */
     float amplitude;   /* of the lumps, in e */
     float softness;    /* of the boundary, in e */
+    float rim;         /* how many times softer it is where a column is hardly covered: wisps rather than crumbs */
     float erosion;     /* of the boundary by fine detail, in e */
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
-    float tuck;        /* g at the base: what lies near the rim begins higher up */
     float stem;        /* g just below the anvil, 0: none */
     float damp;        /* how much thinner than the towers the anvil is, and softer */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
@@ -76,9 +76,9 @@ VELUM_FN velum_profile velum_profile_blend(velum_profile a, velum_profile b, flo
     p.power = velum_mix(a.power, b.power, t);
     p.amplitude = velum_mix(a.amplitude, b.amplitude, t);
     p.softness = velum_mix(a.softness, b.softness, t);
+    p.rim = velum_mix(a.rim, b.rim, t);
     p.erosion = velum_mix(a.erosion, b.erosion, t);
     p.foot = velum_mix(a.foot, b.foot, t);
-    p.tuck = velum_mix(a.tuck, b.tuck, t);
     p.stem = velum_mix(a.stem, b.stem, t);
     p.damp = velum_mix(a.damp, b.damp, t);
     p.close = velum_mix(a.close, b.close, t);
@@ -96,9 +96,9 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
     p.power = power;
     p.amplitude = amplitude;
     p.softness = softness;
+    p.rim = 1.0f;
     p.erosion = erosion;
     p.foot = 0.35f;
-    p.tuck = 0.0f;
     p.stem = stem;
     p.damp = 0.0f;
     p.close = close;
@@ -154,12 +154,12 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.12f, 0.30f, 0.06f, 0.0f, 0.6f, 0.5f, 60.0f),
                                 velum_profile_make(0.85f, 1.6f, 0.45f, 0.25f, 0.25f, 0.0f, 0.1f, 0.7f, 60.0f), kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        p = velum_profile_blend(velum_profile_make(0.88f, 3.0f, 0.60f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f),
-                                velum_profile_make(0.85f, 3.5f, 0.65f, 0.08f, 0.30f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
+        p = velum_profile_blend(velum_profile_make(0.88f, 2.2f, 0.60f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f),
+                                velum_profile_make(0.85f, 2.4f, 0.65f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers; a storm with its anvil. */
         p = velum_profile_blend(velum_profile_make(0.85f, 1.8f, 0.50f, 0.06f, 0.14f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.14f, 0.45f, 0.0f, 0.4f, 150.0f), kind);
+                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.28f, 0.80f, 0.0f, 0.4f, 150.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -184,7 +184,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
-    p.tuck = slot == VELUM_SLOT_CUMULUS ? 0.25f : p.tuck;
+    p.rim = slot == VELUM_SLOT_CUMULUS ? 6.0f : slot == VELUM_SLOT_STORM ? 5.0f : p.rim;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
@@ -219,16 +219,16 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
     return c > 1.0e-6f ? (rank - 1.0f + c) / c : -1.0f;
 }
 
-/* Height fraction up to which the rim is tucked in. */
-#define VELUM_TUCK_TOP 0.3f
+/* Excess rank up to which columns are rims. */
+#define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions. */
 #define VELUM_ANVIL_LOW 0.76f
 #define VELUM_ANVIL_HIGH 0.92f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
-#define VELUM_STEM_FOOT 0.45f
-#define VELUM_STEM_SLOPE 0.65f
+#define VELUM_STEM_FOOT 0.10f
+#define VELUM_STEM_SLOPE 1.00f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
 #define VELUM_ANVIL_SOFTNESS 0.45f
@@ -243,16 +243,14 @@ VELUM_FN float velum_thinned(velum_profile p, float z) {
     return p.damp > 0.0f ? p.damp * velum_anvil(z) : 0.0f;
 }
 
-/* Below this, threshold of e is nowhere between two height fractions. */
-VELUM_FN float velum_threshold_least(velum_profile p, float z_low, float z_high) {
-    float g = p.reach * VELUM_POW(VELUM_MAX(z_low, 0.0f), p.power);
-    float low = 1.0f - VELUM_MIN(z_high * (1.0f / VELUM_TUCK_TOP), 1.0f);
-    return g + p.tuck * low * low;
+/* Threshold of e at height fraction z is no lower. */
+VELUM_FN float velum_threshold_least(velum_profile p, float z) {
+    return p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
 }
 
 /* Threshold of e at height fraction z. */
 VELUM_FN float velum_threshold(velum_profile p, float z) {
-    float g = velum_threshold_least(p, z, z);
+    float g = velum_threshold_least(p, z);
     if (p.stem > 0.0f) {
         g = g + p.stem * (VELUM_STEM_FOOT + VELUM_STEM_SLOPE * z) * (1.0f - velum_anvil(z));
     }
@@ -272,13 +270,19 @@ VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float
     return e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
 }
 
+/* Of the boundary, in e. */
+VELUM_FN float velum_softness(velum_profile p, float e, float thinned) {
+    float rim = velum_mix(p.rim, 1.0f, velum_smoothstep(0.0f, VELUM_RIM, e));
+    return velum_mix(p.softness * rim, VELUM_ANVIL_SOFTNESS, thinned);
+}
+
 /* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. `spread`:
  * half of how much the margin changes over the stretch that the value is to stand for, in e; 0: a point. */
 VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine,
                                float spread) {
     float f = velum_margin(p, e, z, lump, fine);
     float thinned = velum_thinned(p, z);
-    float softness = velum_mix(p.softness, VELUM_ANVIL_SOFTNESS, thinned);
+    float softness = velum_softness(p, e, thinned);
     float inside = velum_smoothstep(-spread, softness + spread, f);
     /* Water that grows linearly from the base in as many drops (adiabatic) has an extinction that grows as its power
      * 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest fifth. */

@@ -68,7 +68,7 @@ VELUM_STRUCT(velum_fringe) {
 #define VELUM_SCUD_SHARE 0.5f
 #define VELUM_SCUD_MOST_1_M 0.04f
 #define VELUM_SCUD_RIM 0.15f /* excess rank */
-#define VELUM_SCUD_SOFTNESS 0.12f
+#define VELUM_SCUD_SOFTNESS 0.15f
 #define VELUM_SCUD_FULL 0.65f /* rank of its noise down to which the fullest scud reaches, from above */
 #define VELUM_SCUD_FINE 0.35f /* of its noise */
 #define VELUM_SCUD_LUMPS 3.0f /* so many times finer than the cloud's */

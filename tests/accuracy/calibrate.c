@@ -54,7 +54,7 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
         }
         float e = velum_excess(p, coverage, 1.0f - sky * ((float)i + 0.5f) / COLUMNS);
         float carved = velum_carve(p, 1.0f, core_cloud_lump(&cloud, &fields, at), core_cloud_fine(&cloud, &fields, at));
-        left[i] = e - carved - 0.06f * p.softness;
+        left[i] = e - carved - 0.06f * velum_softness(p, e, velum_thinned(p, 1.0f));
     }
     qsort(left, COLUMNS, sizeof left[0], compare);
     int cut = (int)((float)COLUMNS * CUT_SHARE * coverage / sky);

@@ -25,7 +25,7 @@ enum { FETCHES_A_RAY = 256, PAGES = 64, REPEATS = 3 };
 #define SHARE_BOUND 0.6
 
 typedef enum kind { SHAPE, DETAIL, OTHER, KINDS } kind;
-static const char *const kind_names[KINDS] = {"shape 128^3", "detail 32^3", "tiles and tables"};
+static const char *const kind_names[KINDS] = {"shape 128^3", "detail 64^3", "tiles and tables"};
 
 /* What is fetched from. */
 typedef struct bank {
