@@ -23,7 +23,7 @@ enum {
     FRAME_POOLS = 8,
     EYES_MAX = 16, /* in a frame */
     COUNTER_STRIDE = 256,
-    STAGE_TOTAL_BYTES = 11 << 20, /* over all frames in flight */
+    STAGE_TOTAL_BYTES = 10 << 20, /* over all frames in flight */
     RENDER_TILES = 16,            /* rasterised by a frame at most where the host does not prepare() */
     SHADOW_LEVELS_MAX = 4,
     PATH_BLOCK = 4, /* pixels of a march block's side, as presets have it */

@@ -54,7 +54,7 @@ float reach_bounds(float h, float rise, float low, float high) {
 float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     float way_m = min(max(here - hit.excess, 0.0) * rank_m, most_m);
     float then = hit.height_fraction + min(hit.rise, 0.0) * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
-    return min(here, velum_threshold_least(hit.profile, min(then, 1.0)));
+    return min(here, velum_threshold_least(hit.profile, then));
 }
 
 void main() {

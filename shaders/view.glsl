@@ -104,8 +104,9 @@ view_ray ray_of_pixel(ivec2 pixel) {
     return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 }
 
-/* Four numbers: each four pixels that touch have all, neighbouring blocks of rays differ, and odd and even alternate as
- * on a chessboard: two rounds of frames leave no more between neighbours than that. */
+/* Four numbers, a quarter of all pixels each: blocks of 1, 16, 32 and 64 pixels differ from their neighbours, of others
+ * three in four. Odd and even alternate as on a chessboard, but for one border in eight: two rounds of frames leave no
+ * more between neighbours than that. */
 uint dither(ivec2 pixel) {
     ivec2 mixed = pixel + (pixel >> 2) + (pixel >> 3);
     ivec2 pair = mixed >> 1;

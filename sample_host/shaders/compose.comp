@@ -36,10 +36,10 @@ vec3 with_overlay(vec3 colour, ivec2 pixel) {
 // comes out grey. Fixed, so that mornings stay warm.
 const vec3 daylight_balance = vec3(0.93, 1.0, 1.11);
 
-// -0.5..0.5, evenly spread over neighbours (Jimenez 2014, interleaved gradient noise). Added to codes before they are
+// Less than half a code either way, evenly spread over neighbours (Jimenez 2014, interleaved gradient noise). Added to codes before they are
 // rounded: clear sky, fog and the inside of cloud change by less than a code over many pixels, and would show bands.
 float dither(ivec2 pixel) {
-    return fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715)))) - 0.5;
+    return fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715)))) * 0.99 - 0.495;
 }
 
 void main() {
@@ -53,6 +53,6 @@ void main() {
     vec3 exposed = min((host * through + added) * daylight_balance * view.region_cell.w, vec3(1e6));
     vec3 code = vec3(tone_map(exposed.r, exposed.g, exposed.b, 0), tone_map(exposed.r, exposed.g, exposed.b, 1),
                      tone_map(exposed.r, exposed.g, exposed.b, 2));
-    vec3 rounded = code + dither(pixel) / 255.0;
-    imageStore(picture_image, pixel, vec4(with_overlay(rounded, pixel), 1.0));
+    vec3 dithered = code + dither(pixel) / 255.0;
+    imageStore(picture_image, pixel, vec4(with_overlay(dithered, pixel), 1.0));
 }

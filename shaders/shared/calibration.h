@@ -77,8 +77,8 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
     } else if (slot == VELUM_SLOT_STORM) {
         a = velum_calibration_make(10600.0f, 1.1284f, 0.6306f, -0.0355f, -0.1113f, 0.2239f, 3.0817f, -0.0251f, -0.0106f,
                                    0.0208f, 0.9637f, 0.0108f);
-        b = velum_calibration_make(10600.0f, 1.2785f, 0.8187f, -0.0154f, -0.1024f, 0.0451f, 4.8357f, -0.0839f, -0.8228f,
-                                   0.2963f, 1.1206f, -0.0024f);
+        b = velum_calibration_make(10600.0f, 1.2577f, 0.8131f, -0.0198f, -0.1109f, 0.0531f, 3.5812f, -0.0453f, -0.5643f,
+                                   0.1791f, 1.1198f, -0.0023f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

@@ -26,7 +26,7 @@ VELUM_STRUCT(velum_profile) {
     float rim;         /* how many times softer it is where a column is hardly covered: wisps rather than crumbs */
     float erosion;     /* of the boundary by fine detail, in e */
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
-    float stem;        /* g just below the anvil, 0: none */
+    float stem;        /* of g below the anvil (VELUM_STEM_FOOT), 0: none */
     float damp;        /* how much thinner than the towers the anvil is, and softer */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
     float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_body_over */
@@ -159,7 +159,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers; a storm with its anvil. */
         p = velum_profile_blend(velum_profile_make(0.85f, 1.8f, 0.50f, 0.06f, 0.14f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.28f, 0.80f, 0.0f, 0.4f, 150.0f), kind);
+                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -228,7 +228,7 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
 #define VELUM_STEM_FOOT 0.10f
-#define VELUM_STEM_SLOPE 1.00f
+#define VELUM_STEM_SLOPE 0.70f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
 #define VELUM_ANVIL_SOFTNESS 0.45f

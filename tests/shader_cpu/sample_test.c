@@ -144,6 +144,26 @@ static void extinction_is_only_between_base_and_top(void **state) {
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
 }
 
+/* Wisps where a column is hardly covered, crisp hearts; ice as soft as it is thin; sheets alike everywhere. */
+static void rims_are_softer_than_hearts(void **state) {
+    (void)state;
+    velum_slot_fields f = {
+        .coverage = 0.5f, .base_m = 1000.0f, .top_m = 2400.0f, .extinction_1_m = 0.05f, .kind = 0.5f};
+    const velum_profile heap = velum_profile_of(VELUM_SLOT_CUMULUS, f);
+    assert_true(heap.rim > 1.0f);
+    assert_float_equal(velum_softness(heap, 0.0f, 0.0f), heap.rim * heap.softness, 1e-6);
+    assert_float_equal(velum_softness(heap, 1.0f, 0.0f), heap.softness, 1e-6);
+    assert_float_equal(velum_softness(heap, 0.2f, 1.0f), VELUM_ANVIL_SOFTNESS, 1e-6);
+    float before = INFINITY;
+    for (int i = 0; i <= 100; i++) {
+        float now = velum_softness(heap, 0.01f * (float)i, 0.0f);
+        assert_true(now <= before);
+        before = now;
+    }
+    const velum_profile sheet = velum_profile_of(VELUM_SLOT_LOW, f);
+    assert_float_equal(velum_softness(sheet, 0.0f, 0.0f), velum_softness(sheet, 1.0f, 0.0f), 1e-6);
+}
+
 static void extinction_stays_finite_and_positive(void **state) {
     (void)state;
     for (uint32_t i = 0; i < 200000; i++) {
@@ -170,6 +190,7 @@ int main(void) {
         cmocka_unit_test(states_mix_by_their_coverage),
         cmocka_unit_test(texels_give_back_fields),
         cmocka_unit_test(extinction_is_only_between_base_and_top),
+        cmocka_unit_test(rims_are_softer_than_hearts),
         cmocka_unit_test(extinction_stays_finite_and_positive),
     };
     return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
