@@ -6,7 +6,7 @@
 #include "geodesy.h"
 #include "oracle_cursor.h"
 
-/* No feature of the noises is smaller than its texels, 5 m for the finest; samples are a quarter of this apart. */
+/* No feature of the noises is smaller than its texels, 5 m for the finest; samples are a quarter of a panel apart. */
 #define PANEL_M 8.0
 #define SKIP_M 25.0 /* over empty tiles, or below or above all cloud of a tile */
 #define DEPTH_MAX 16

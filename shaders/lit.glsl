@@ -1,6 +1,6 @@
 /* Places of rays that get light: what the march leaves to light.comp, and that to gather.comp. Rays differ in where they
- * meet cloud and how often; listed, the places are lit side by side, however their rays went. The rays that are due are listed beside
- * them (due.glsl). */
+ * meet cloud and how often; listed, the places are lit side by side, however their rays went. The rays that are due
+ * are listed beside them (due.glsl). */
 #ifndef VELUM_LIT_GLSL
 #define VELUM_LIT_GLSL
 

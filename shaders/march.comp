@@ -96,7 +96,8 @@ void main() {
     float growth = view.march.y;
     int left = int(view.steps.x);
     uint done = 0u;        /* slots already looked at in this step */
-    float advance = 1.0e9; /* from the step's beginning on, how far nothing can begin; less for ranks, whose bounds are none */
+    /* From the step's beginning on, how far nothing can begin; less for ranks, whose bounds are none. */
+    float advance = 1.0e9;
     bool alive = position < end && eye.table.z != 0u;
 #ifdef VELUM_STUDY
     ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));

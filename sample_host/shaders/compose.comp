@@ -36,8 +36,9 @@ vec3 with_overlay(vec3 colour, ivec2 pixel) {
 // comes out grey. Fixed, so that mornings stay warm.
 const vec3 daylight_balance = vec3(0.93, 1.0, 1.11);
 
-// Less than half a code either way, evenly spread over neighbours (Jimenez 2014, interleaved gradient noise). Added to codes before they are
-// rounded: clear sky, fog and the inside of cloud change by less than a code over many pixels, and would show bands.
+// Less than half a code either way, evenly spread over neighbours (Jimenez 2014, interleaved gradient noise). Added to
+// codes before they are rounded: clear sky, fog and the inside of cloud change by less than a code over many pixels, and
+// would show bands.
 float dither(ivec2 pixel) {
     return fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715)))) * 0.99 - 0.495;
 }
