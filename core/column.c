@@ -167,6 +167,10 @@ static double smooth(double low, double high, double x) {
 /* What is left at the very edge: of a sheet's thickness, and of a storm's. */
 #define EDGE_THICKNESS_M 200.0f
 #define EDGE_STORM_SHARE 0.25f
+/* Sheets thin out towards it by this power of fullness, below the first of these. */
+#define EDGE_FULL 0.9f
+#define EDGE_LEAST_FULL 0.1f
+#define EDGE_THINS 4.0f
 
 float core_blend_fullness(const float *field) {
     float c = field[CORE_FIELD_COVERAGE];
@@ -188,6 +192,24 @@ float core_blend_top(uint32_t slot, const float *field) {
 float core_blend_kind(uint32_t slot, const float *field) {
     float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
     return field[CORE_FIELD_KIND] * full * full;
+}
+
+/* Of sheets; heaps, cells and rolls stay as dense as they are. */
+static float sheet_share(uint32_t slot, float kind) {
+    switch (slot) {
+    case VELUM_SLOT_LOW:
+    case VELUM_SLOT_LOW_2: return 1.0f - kind;
+    case VELUM_SLOT_MIDDLE: return velum_clamp(2.0f - 2.0f * kind, 0.0f, 1.0f);
+    case VELUM_SLOT_HIGH: return 1.0f;
+    default: return 0.0f;
+    }
+}
+
+float core_blend_log_extinction(uint32_t slot, const float *field) {
+    float full = fmaxf(core_blend_fullness(field), EDGE_LEAST_FULL);
+    float c = field[CORE_FIELD_COVERAGE];
+    float sheet = full < EDGE_FULL && c > 0.0f ? sheet_share(slot, field[CORE_FIELD_KIND] / c) : 0.0f;
+    return field[CORE_FIELD_LOG_EXTINCTION] + c * sheet * EDGE_THINS * logf(fminf(full / EDGE_FULL, 1.0f));
 }
 
 /* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */
@@ -371,7 +393,7 @@ static void set_layers(const core_state *state, const double normal[3], const co
             .coverage = fminf(f[CORE_FIELD_COVERAGE], 1.0f),
             .base_m = f[CORE_FIELD_BASE] * scale + state->undulation_m,
             .top_m = core_blend_top(slot, f) * scale + state->undulation_m,
-            .extinction_1_m = expf(f[CORE_FIELD_LOG_EXTINCTION] * scale),
+            .extinction_1_m = expf(core_blend_log_extinction(slot, f) * scale),
             .wind_x_m_s = wind[0],
             .wind_y_m_s = wind[1],
             .wind_z_m_s = wind[2],

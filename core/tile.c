@@ -77,7 +77,7 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
     float scale = 1.0f / field[CORE_FIELD_COVERAGE];
     const float *wind = &field[CORE_FIELD_WIND_X];
     float up = wind[0] * (float)normal[0] + wind[1] * (float)normal[1] + wind[2] * (float)normal[2];
-    float log2_extinction = field[CORE_FIELD_LOG_EXTINCTION] * scale * 1.4426950408889634f;
+    float log2_extinction = core_blend_log_extinction(slot, field) * scale * 1.4426950408889634f;
     texel out;
     out.value[TEXEL_COVERAGE] = unorm(velum_clamp(field[CORE_FIELD_COVERAGE], 0.0f, 1.0f));
     out.value[TEXEL_BASE] = unorm(velum_texel_from_height(field[CORE_FIELD_BASE] * scale + undulation_m));

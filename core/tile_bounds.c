@@ -103,6 +103,21 @@ static float effective_coverage(uint32_t slot, velum_slot_fields f, velum_profil
     return f.coverage * p.coverage_scale;
 }
 
+/* How many times as fast as coverage effective coverage changes at most between two of them, at least 1: as an overcast
+ * closes, several times. */
+static float effective_slope(uint32_t slot, velum_slot_fields f, float least, float most) {
+    enum { STEPS = 64 };
+    const float step = (most - least) / (float)STEPS;
+    float slope = 1.0f, last = 0.0f;
+    for (int i = 0; slot < VELUM_SLOT_UNIFORM && step > 1e-4f && i <= STEPS; i++) {
+        f.coverage = least + (float)i * step;
+        const float effective = effective_coverage(slot, f, velum_profile_of((int)slot, f));
+        slope = i > 0 ? fmaxf(slope, fabsf(effective - last) / step) : slope;
+        last = effective;
+    }
+    return slope;
+}
+
 /* Uniform layers have none: what they hold is as it is. */
 static velum_profile profile_of(uint32_t slot, velum_slot_fields f) {
     return slot < VELUM_SLOT_UNIFORM ? velum_profile_of((int)slot, f)
@@ -209,8 +224,14 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
     const float side_m = VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
     if (!even) {
         slopes change = slopes_of(from, side_m / (float)VELUM_TILE_TEXELS);
+        float least = 1.0f;
+        for (uint32_t i = 0; i < side * side; i++) {
+            least = fminf(least, unit(from->a[(size_t)i * 4]));
+        }
+        const velum_slot_fields dense = fields_of(from, densest);
         out->shape[0] = change.wind_1_s;
-        out->shape[1] = change.coverage_1_m * coverage_factor(from, slot);
+        out->shape[1] =
+            change.coverage_1_m * coverage_factor(from, slot) * effective_slope(slot, dense, least, dense.coverage);
         out->shape[2] = change.height;
         out->shape[3] = lean_change(slot, change);
     }

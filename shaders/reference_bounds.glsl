@@ -53,7 +53,7 @@ struct slot_tile {
     velum_slot_fields fields;
     velum_profile profile;
     float slowness;   /* metres over metres of noise, at least; 0: nothing is known */
-    float fade, bend; /* change over a metre at most: of coverage; of heights, over thickness */
+    float fade, bend; /* change over a metre at most: of effective coverage; of heights, over thickness */
 };
 
 slot_tile slot_tile_none() {
@@ -82,11 +82,11 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     float tau = max(abs(eye.weather.z), velum_mixes ? abs(eye.weather.w) : 0.0);
     s.slowness = 1.0 / (1.0 + x.shape.x * tau + x.shape.w);
     s.even = x.even.x;
-    s.fade = x.shape.y;
+    s.fade = 2.0 * x.shape.y; /* other fields change with coverage, and they count too */
     s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);
     /* What a storm covers depends on its anvil and its height, too. */
     s.fade += slot == VELUM_SLOT_STORM
-                  ? x.most.x * (VELUM_ANVIL_COVER_1_M * VELUM_ANVIL_LAG_S * x.shape.x + 0.5 * s.bend)
+                  ? x.most.x * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x + 0.8 * s.bend)
                   : 0.0;
     if (velum_mixes && a != b) {
         velum_page_bounds y = page_bounds[b == VELUM_PAGE_NONE ? a : b];
@@ -201,15 +201,16 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
     /* As coverage is here, and as fast as it can grow. */
     float own = (velum_mixes ? rank_unmix(clamp(1.0 - own_cover, 0.0, 1.0), eye.drift.x) - rank_unmix(rank, eye.drift.x)
                              : 1.0 - own_cover - rank) - VELUM_SLOPE_SLACK;
-    own = s.slowness > 0.0 ? own / (2.0 * s.fade * max(run, 1e-4) + max(slope, 1e-3) / period_m) : 0.0;
+    own = s.slowness > 0.0 ? own / (s.fade * max(run, 1e-4) + max(slope, 1e-3) / period_m) : 0.0;
     float own_m = min(max(own, 0.0), VELUM_SLOPE_RADIUS * period_m);
     float clear = max(min(away * period_m, valid), far * period_m);
     return max(min(clear, cover_valid), own_m);
 }
 
-/* Of the margin, over a change of coverage: both kinds' thresholds and what is carved off them differ by 1.2 at most,
- * fullness is coverage over that in the storm's middle, taken as 0.3 at least. */
-const float storm_edge = 2.0 * 1.2 / 0.3;
+/* Of the margin, over a change of coverage: as a storm's towers turn to anvils their threshold and what is carved off
+ * them change by 2.1 at most; they do by the square of fullness, coverage over that in the storm's middle, taken as 0.3
+ * at least, and as an overcast opens. */
+const float storm_edge = 2.1 / 0.3; /* of twice that change */
 
 /* Distance over which a margin stays below 0, whatever fine noise carves. */
 float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, float margin, float z, float slope,
@@ -224,7 +225,6 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float cover = max(f.coverage * p.coverage_scale, 1e-4);
     float sharp = velum_mixes ? 1.0 / max(eye.drift.x, 1.0 - eye.drift.x) : 1.0;
     float along_e = slope * sharp * eye.slots[slot].shape_0.w * run / (max(s.slowness, 1e-3) * cover) + s.fade / cover;
-    /* Towards the edge of a storm its kind falls as the square of fullness, and the profile with it. */
     along_e += slot == VELUM_SLOT_STORM ? storm_edge * s.fade : 0.0;
     float along_lump = 2.0 * p.amplitude * view.march.z * eye.slots[slot].lump_0.w / max(s.slowness, 1e-3);
     along_lump *= velum_mixes ? 1.42 : 1.0;

@@ -138,16 +138,21 @@ VELUM_FN float velum_anvil_m(velum_slot_fields f) {
 }
 
 /* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
- * is. Fitted to winds of 10 and 20 m/s. */
+ * is, less where there are hardly any, and the farther they are carried the more. Fitted to winds of 10 to 30 m/s. */
 VELUM_FN float velum_beside(velum_slot_fields f) {
     float c = f.coverage;
-    return VELUM_ANVIL_COVER_1_M * velum_anvil_m(f) * (1.0f - c) * (1.0f + 0.9f * c * c * c * c);
+    float over = velum_overcast(c);
+    float clear = (1.0f - c) * (1.0f + 0.6f * c * c * c * c) * (1.0f - over) * (1.0f - 0.3f * over);
+    float far_m = velum_anvil_m(f);
+    return VELUM_ANVIL_COVER_1_M * far_m * (0.8f + 0.2f * VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f)) * clear;
 }
-/* Its change with coverage at most, over its value at no cover: at full cover. */
-#define VELUM_BESIDE_SLOPE 1.9f
+/* Its change with coverage at most, over its value at no cover: as an overcast begins; and a metre farther. */
+#define VELUM_BESIDE_SLOPE 2.7f
+#define VELUM_BESIDE_1_M (1.4f * VELUM_ANVIL_COVER_1_M)
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float kind = fields.kind;
+    float over = velum_overcast(fields.coverage);
     velum_profile p;
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         /* St: a sheet. Sc: lumps and rolls. */
@@ -157,9 +162,12 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p = velum_profile_blend(velum_profile_make(0.88f, 2.2f, 0.60f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f),
                                 velum_profile_make(0.85f, 2.4f, 0.65f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
     } else if (slot == VELUM_SLOT_STORM) {
-        /* Towers; a storm with its anvil. */
-        p = velum_profile_blend(velum_profile_make(0.85f, 1.8f, 0.50f, 0.06f, 0.14f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 20.0f, 0.50f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), kind);
+        /* Towers, which is all that an overcast of them is; a storm with its anvil. */
+        float t = kind * (1.0f - over);
+        p = velum_profile_blend(velum_profile_make(0.85f, 1.7f, 0.70f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
+                                velum_profile_make(0.80f, 50.0f, 0.75f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), t);
+        p.power = 1.7f * VELUM_POW(50.0f / 1.7f, t);
+        p.damp = 0.85f * t;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -184,15 +192,17 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
-    p.rim = slot == VELUM_SLOT_CUMULUS ? 6.0f : slot == VELUM_SLOT_STORM ? 5.0f : p.rim;
+    p.rim = slot == VELUM_SLOT_CUMULUS  ? 6.0f
+            : slot == VELUM_SLOT_STORM  ? 5.0f
+            : slot == VELUM_SLOT_MIDDLE ? (kind < 0.5f ? velum_mix(3.0f, 8.0f, 2.0f * kind)
+                                                       : velum_mix(8.0f, 2.0f, 2.0f * kind - 1.0f))
+            : slot == VELUM_SLOT_HIGH   ? 1.0f
+                                        : velum_mix(3.0f, 1.0f, kind);
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
-    float over = velum_overcast(fields.coverage);
-    p.stem = p.stem * (1.0f - 0.8f * over); /* one tower, and its anvil where cover thins out */
-    p.damp = slot == VELUM_SLOT_STORM ? 0.7f * kind : 0.0f;
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
     p.density_scale = measured.density;
     float fibrous = velum_fibrous(slot, kind);
@@ -223,16 +233,16 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions. */
-#define VELUM_ANVIL_LOW 0.76f
-#define VELUM_ANVIL_HIGH 0.92f
+#define VELUM_ANVIL_LOW 0.74f
+#define VELUM_ANVIL_HIGH 0.97f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
 #define VELUM_STEM_FOOT 0.10f
-#define VELUM_STEM_SLOPE 0.70f
+#define VELUM_STEM_SLOPE 0.35f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
-#define VELUM_ANVIL_SOFTNESS 0.45f
-#define VELUM_ANVIL_SMOOTH 1.1f
+#define VELUM_ANVIL_SOFTNESS 1.2f
+#define VELUM_ANVIL_SMOOTH 0.75f
 
 VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);

@@ -45,9 +45,8 @@ VELUM_FN int velum_away_level(float rank) {
 VELUM_STRUCT(velum_page_bounds) {
     VELUM_VEC4(most);   /* effective coverage; extinction, 1/m; reach, lowest; power, highest */
     VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */
-    VELUM_VEC4(shape);  /* change over a metre at most: of wind, 1/s; of coverage, of storms as often as their
-                           effective one changes faster in the wind; of base and top together, m; of how columns lean,
-                           m of noise */
+    VELUM_VEC4(shape);  /* change over a metre at most: of wind, 1/s; of effective coverage, or of coverage if that is
+                           more; of base and top together, m; of how columns lean, m of noise */
     VELUM_UVEC4(
         even); /* a bit for each part whose texels, with those next to them, are all like one; that texel; 0, 0 */
     VELUM_UVEC4(parts); /* a byte for each of VELUM_PARTS^2 parts of the page, a word for each row: effective coverage

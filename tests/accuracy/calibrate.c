@@ -87,7 +87,8 @@ static bool solve(const core_noise *noise, const column_case *of, float coverage
 }
 
 typedef struct row {
-    float thickness_m, s0, s_share, s_octave, s_over_1, s_over_2, w0, w_octave, w_over_1, w_over_2, r0, r_over;
+    float thickness_m, s0, s_share, s_octave, s_over_1, s_over_2, w0, w_octave, w_over_1, w_over_2, r0, r_over_1,
+        r_over_2;
 } row;
 
 /* u and v of 1 + u t + v t^2, which is `half` at t = 1/2 and `full` at 1. */
@@ -127,7 +128,7 @@ static bool measure_kind(const core_noise *noise, const kind_knot *knot, row *ou
     if (!ok) {
         return false;
     }
-    *out = (row){.thickness_m = thickness_m, .r0 = plain.reach, .r_over = eight.reach - plain.reach};
+    *out = (row){.thickness_m = thickness_m, .r0 = plain.reach};
     const float share_low = sqrtf(0.5f / 500.0f);
     const float share_high = sqrtf(0.1f);
     const float share = sqrtf(fminf(0.1f, 0.5f / depth));
@@ -140,16 +141,17 @@ static bool measure_kind(const core_noise *noise, const kind_knot *knot, row *ou
     out->w_octave = 0.5f * (twice.density * twice.coverage - half.density * half.coverage);
     over_terms(seven.density * seven.coverage / water, eight.density * eight.coverage / water, &out->w_over_1,
                &out->w_over_2);
+    over_terms(seven.reach / plain.reach, eight.reach / plain.reach, &out->r_over_1, &out->r_over_2);
     return true;
 }
 
 static void write_row(FILE *file, const char *indent, const char *lead, const row *r, const char *tail) {
     fprintf(file,
             "%s%svelum_calibration_make(%.1ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, %.4ff, "
-            "%.4ff)%s\n",
+            "%.4ff, %.4ff)%s\n",
             indent, lead, (double)r->thickness_m, (double)r->s0, (double)r->s_share, (double)r->s_octave,
             (double)r->s_over_1, (double)r->s_over_2, (double)r->w0, (double)r->w_octave, (double)r->w_over_1,
-            (double)r->w_over_2, (double)r->r0, (double)r->r_over, tail);
+            (double)r->w_over_2, (double)r->r0, (double)r->r_over_1, (double)r->r_over_2, tail);
 }
 
 static const char head[] =
@@ -163,15 +165,16 @@ static const char head[] =
     "VELUM_STRUCT(velum_calibration_row) {\n    float thickness_m;\n"
     "    float s0, s_share, s_octave, s_over_1, s_over_2; /* coverage */\n"
     "    float w0, w_octave, w_over_1, w_over_2;          /* coverage x density */\n"
-    "    float r0, r_over;                                /* reach */\n};\n\n"
+    "    float r0, r_over_1, r_over_2;                    /* reach */\n};\n\n"
     "VELUM_FN velum_calibration_row velum_calibration_make(float thickness_m, float s0, float s_share, float "
     "s_octave,\n"
     "                                                      float s_over_1, float s_over_2, float w0, float w_octave,\n"
-    "                                                      float w_over_1, float w_over_2, float r0, float r_over) {\n"
+    "                                                      float w_over_1, float w_over_2, float r0, float r_over_1,\n"
+    "                                                      float r_over_2) {\n"
     "    velum_calibration_row r;\n    r.thickness_m = thickness_m;\n    r.s0 = s0;\n    r.s_share = s_share;\n"
     "    r.s_octave = s_octave;\n    r.s_over_1 = s_over_1;\n    r.s_over_2 = s_over_2;\n    r.w0 = w0;\n"
     "    r.w_octave = w_octave;\n    r.w_over_1 = w_over_1;\n    r.w_over_2 = w_over_2;\n    r.r0 = r0;\n"
-    "    r.r_over = r_over;\n    return r;\n}\n\n"
+    "    r.r_over_1 = r_over_1;\n    r.r_over_2 = r_over_2;\n    return r;\n}\n\n"
     "VELUM_FN velum_calibration velum_calibration_from(velum_calibration_row r, float coverage, float thickness_m,\n"
     "                                                  float optical_depth) {\n"
     "    float share = VELUM_SQRT(VELUM_MIN(0.1f, 0.5f / VELUM_MAX(optical_depth, 1.0e-3f)));\n"
@@ -180,7 +183,7 @@ static const char head[] =
     "    velum_calibration c;\n"
     "    c.coverage = (r.s0 + r.s_share * share + r.s_octave * octaves) * (1.0f + t * (r.s_over_1 + t * r.s_over_2));\n"
     "    c.density = (r.w0 + r.w_octave * octaves) * (1.0f + t * (r.w_over_1 + t * r.w_over_2)) / c.coverage;\n"
-    "    c.reach = r.r0 + r.r_over * t * t;\n    return c;\n}\n\n"
+    "    c.reach = r.r0 * (1.0f + t * (r.r_over_1 + t * r.r_over_2));\n    return c;\n}\n\n"
     "VELUM_FN velum_calibration velum_calibration_mix(velum_calibration a, velum_calibration b, float t) {\n"
     "    velum_calibration c;\n    c.coverage = velum_mix(a.coverage, b.coverage, t);\n"
     "    c.density = velum_mix(a.density, b.density, t);\n    c.reach = velum_mix(a.reach, b.reach, t);\n    return "

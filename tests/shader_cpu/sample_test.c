@@ -160,8 +160,9 @@ static void rims_are_softer_than_hearts(void **state) {
         assert_true(now <= before);
         before = now;
     }
-    const velum_profile sheet = velum_profile_of(VELUM_SLOT_LOW, f);
-    assert_float_equal(velum_softness(sheet, 0.0f, 0.0f), velum_softness(sheet, 1.0f, 0.0f), 1e-6);
+    f.kind = 1.0f;
+    const velum_profile rolls = velum_profile_of(VELUM_SLOT_LOW, f);
+    assert_float_equal(velum_softness(rolls, 0.0f, 0.0f), velum_softness(rolls, 1.0f, 0.0f), 1e-6);
 }
 
 static void extinction_stays_finite_and_positive(void **state) {

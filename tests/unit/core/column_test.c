@@ -450,8 +450,15 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     velum_state_desc desc = desc_of(&cell, 1);
     core_state *state = state_of(&desc, NULL, 1);
     float last_m = 3001.0f;
+    const float dense_1_m = middle_at(state, 0.0).extinction_1_m;
+    float last_1_m = dense_1_m;
     for (double d = 0.0; d < 31900.0; d += 100.0) {
         velum_slot_fields f = middle_at(state, d);
+        /* A veil towards its edge, without a jump: by the fourth power of what is left of it. */
+        const float left = fminf(fmaxf(f.coverage / 0.9f, 0.1f) / 0.9f, 1.0f);
+        assert_float_equal(f.extinction_1_m / dense_1_m, left * left * left * left, 1e-3f);
+        assert_true(f.extinction_1_m <= last_1_m * 1.001f);
+        last_1_m = f.extinction_1_m;
         float thickness_m = f.top_m - f.base_m;
         assert_float_equal(f.base_m, 1000.0f, 0.5f);
         assert_float_equal(thickness_m, d < 19900.0 ? 3000.0f : thickness_m, 0.5f);
@@ -463,6 +470,7 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     assert_true(last_m < 210.0f);
     double lat;
     double lon;
+    const float storm_1_m = column_at(state, 47.0, 11.0, 76.0).slot[VELUM_SLOT_STORM].extinction_1_m;
     assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
     core_column c = column_at(state, lat, lon, 76.0);
     assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
@@ -470,6 +478,7 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
      * the anvil. */
     assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.25f + 0.75f * 0.75f), 0.5f);
     assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, 0.25f * VELUM_KIND_CB, 1e-3f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].extinction_1_m, storm_1_m, 1e-4f * storm_1_m);
     core_state_unref(state);
 
     /* Cut sharply it keeps its depth to the edge. */
@@ -477,6 +486,7 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     state = state_of(&desc, NULL, 1);
     for (double d = 19800.0; d < 20070.0; d += 10.0) {
         assert_float_equal(middle_at(state, d).top_m, 4000.0f, 0.5f);
+        assert_float_equal(middle_at(state, d).extinction_1_m, dense_1_m, 1e-4f * dense_1_m);
     }
     core_state_unref(state);
 

@@ -65,6 +65,37 @@ static void lean(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     }
 }
 
+/* Margins of covered columns change along the layer by no more than reference_bounds.glsl takes from the bounds. */
+static void fade(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
+    const float step = 0.002f;
+    const float step_m = step * VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
+    const float u = (1.0f - step) * unit(random);
+    const float v = unit(random);
+    const velum_slot_fields a = core_tile_sample(tile, slot, u, v);
+    const velum_slot_fields b = core_tile_sample(tile, slot, u + step, v);
+    if (slot >= VELUM_SLOT_UNIFORM || a.coverage <= 0.0f || b.coverage <= 0.0f) {
+        return;
+    }
+    const velum_profile p = velum_profile_of((int)slot, a);
+    const velum_profile q = velum_profile_of((int)slot, b);
+    const float rank = 1.0f - unit(random) * unit(random) * unit(random);
+    const float e = velum_excess(p, a.coverage, rank);
+    const float there = velum_excess(q, b.coverage, rank);
+    const float z = unit(random), lump = 2.0f * unit(random) - 1.0f, fine = unit(random);
+    if (e <= 0.0f || there <= 0.0f) {
+        return;
+    }
+    const float cover = fminf(a.coverage * p.coverage_scale, b.coverage * q.coverage_scale);
+    float fade_1_m = 2.0f * bounds->shape[1];
+    if (slot == VELUM_SLOT_STORM) {
+        const float bend = bounds->shape[2] / fmaxf(bounds->height[2] - bounds->height[1], 1.0f);
+        fade_1_m += bounds->most[0] * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * bounds->shape[0] + 0.8f * bend);
+    }
+    const float storm_edge = slot == VELUM_SLOT_STORM ? 2.1f / 0.3f : 0.0f;
+    const float change = fabsf(velum_margin(p, e, z, lump, fine) - velum_margin(q, there, z, lump, fine));
+    assert_true(change <= (1.0f / cover + storm_edge) * fade_1_m * step_m + 1e-3f);
+}
+
 static void bounds_hold(void **state) {
     (void)state;
     static const int32_t genera[] = {VELUM_GENUS_ST, VELUM_GENUS_SC, VELUM_GENUS_CU, VELUM_GENUS_CB, VELUM_GENUS_AS,
@@ -108,6 +139,7 @@ static void bounds_hold(void **state) {
                 for (int i = 0; i < 20000; i++) {
                     look(tile, slot, &bounds, &random, &most);
                     lean(tile, slot, &bounds, &random);
+                    fade(tile, slot, &bounds, &random);
                 }
                 /* A bound, and not a boundless one. */
                 assert_true(most > 0.25f * bounds.most[1]);
