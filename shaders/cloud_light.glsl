@@ -160,21 +160,26 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
 float sun_way_m(velum_slot_fields f, float height_m, float mu_sun) {
     return (f.top_m - height_m) / max(mu_sun, 0.06);
 }
-float sun_reach_m(velum_slot_fields f, float height_m, float mu_sun) {
-    return min(sun_way_m(f, height_m, mu_sun), 2.5 * (f.top_m - f.base_m) + 1500.0);
+/* Few steps see one tower, not a row of them: beyond, storms stand by chance. */
+const float storm_reach = 0.6;
+float sun_reach_m(int slot, velum_slot_fields f, float height_m, float mu_sun) {
+    float thicknesses = slot == VELUM_SLOT_STORM ? storm_reach : 2.5;
+    return min(sun_way_m(f, height_m, mu_sun), thicknesses * (f.top_m - f.base_m) + 1500.0);
 }
 
 /* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
- * sheet (`closed`), whose table knows all of it. */
-float sun_share(cloud_hit hit, float mu_sun, float closed) {
+ * sheet (`closed`), whose table knows all of it. `ahead`: coverage where sun_depth ends. */
+float sun_share(cloud_hit hit, float mu_sun, float closed, float ahead) {
     float share = 1.0;
     for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
         velum_slot_fields f = hit.fields;
-        float seen_m = max(sun_reach_m(f, hit.height_m, mu_sun), 1.0);
+        float seen_m = max(sun_reach_m(hit.slot, f, hit.height_m, mu_sun), 1.0);
         if (slot != hit.slot) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
+        } else if (slot == VELUM_SLOT_STORM) {
+            f.coverage = ahead;
         }
         float cloud_m = VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
         velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, cloud_m);
@@ -191,11 +196,11 @@ const float face_m = 1000.0;
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; of the fields
  * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever
- * the fine detail. */
-vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
+ * the fine detail; and coverage where that way ends. */
+vec3 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
-    float ahead = sun_reach_m(f, hit.height_m, mu_sun);
+    float ahead = sun_reach_m(hit.slot, f, hit.height_m, mu_sun);
     /* The first is short enough for the next lump's shadow, however deep the cloud. */
     const float first_m = 90.0;
     float count = float(max(steps, 2));
@@ -208,12 +213,13 @@ vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     float done = 0.0;
     float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
     float falls_1_m = 0.0;
+    float coverage = f.coverage;
     for (int i = 0; i < steps; ++i) {
         float t = done + dt * (i == 0 ? start : 0.5);
         float h = hit.height_m + t * mu_sun;
         vec3 p = hit.r + eye.sun.xyz * t;
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
-        float coverage = slot_coverage(hit.tile, hit.slot, hit.tile.uv + rate * t);
+        coverage = slot_coverage(hit.tile, hit.slot, hit.tile.uv + rate * t);
         float e = velum_excess(hit.profile, coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
         if (STUDIED(study_sun_lumps(), true)) {
@@ -227,7 +233,7 @@ vec2 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
         done += dt;
         dt *= ratio;
     }
-    return vec2(depth * f.extinction_1_m, falls_1_m);
+    return vec3(depth * f.extinction_1_m, falls_1_m, coverage);
 }
 
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
@@ -260,9 +266,11 @@ const float deck_face = 0.38, deck_tilt = 0.29;
  */
 const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
+const float sky_aside = 1.0; /* the way of the sky's light between storms, m a metre down */
 const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
+const float storm_graze = 0.05; /* cosine at which a low sun meets an anvil, at least */
 const float storm_turned = 0.7, storm_meets = 0.55;
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
@@ -293,6 +301,19 @@ ways_out ways_out_of(cloud_hit hit) {
     return ways;
 }
 
+/* Towers stand so deep that low between them there is little sky; the rest is their walls, as far as the sun comes down
+ * to them. */
+vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
+    velum_slot_fields f = hit.fields;
+    float over_m = max(f.top_m - hit.height_m, 0.0);
+    float down = over_m / max(f.top_m - f.base_m, 1.0);
+    float cloud_m = VELUM_CLOUD_SHARE / eye.slots[hit.slot].shape_0.w;
+    float sun_aside_m = over_m * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) / max(mu_sun, 0.02);
+    float seen = velum_free_lines(f.coverage, down, sky_aside * over_m, cloud_m);
+    float lit = velum_free_lines(f.coverage, down, sun_aside_m, cloud_m);
+    return mix(wall * lit, sky, seen);
+}
+
 /* Per unit of scattering; `depth` and `falls_1_m`: towards the sun, of sun_depth. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth,
                    float falls_1_m) {
@@ -318,14 +339,20 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float deep = even;
     if (storm && !is_fringe(hit)) {
+        /* Anvils lie flat, towers stand upright. */
         float straight = falls_1_m * flank_share / eye.slots[hit.slot].shape_0.w;
-        deep *= storm_turned + storm_meets * straight * inversesqrt(1.0 + straight * straight);
+        float meets = max(straight, 0.0) * inversesqrt(1.0 + straight * straight);
+        float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));
+        deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met) * (storm_turned + storm_meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
     float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
+    if (storm) {
+        above = between_storms(hit, above, storm_share * even * sun, mu_sun);
+    }
     float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls)
                         : walls_seen * hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * even * sun, walls);
@@ -366,7 +393,7 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     velum_slab_span span = slab_span(hit);
     velum_slab_light light = slab_light(hit, span, mu_sun);
     /* Beyond what sun_depth has seen, the sheet goes on as it was. */
-    depth *= max(sun_way_m(f, hit.height_m, mu_sun) / max(sun_reach_m(f, hit.height_m, mu_sun), 1.0), 1.0);
+    depth *= max(sun_way_m(f, hit.height_m, mu_sun) / max(sun_reach_m(hit.slot, f, hit.height_m, mu_sun), 1.0), 1.0);
     light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
     float inside = f.extinction_1_m * span.inside_m;
     vec3 above = ambient_over(f.top_m, true);
@@ -403,8 +430,9 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
-    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun, closed);
-    vec2 towards = sun_depth(hit, mu_sun, steps, start);
+    vec3 towards = sun_depth(hit, mu_sun, steps, start);
+    vec3 sun =
+        eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun, closed, towards.z);
     float depth = STUDIED(study_sun_depth(hit.r, towards.x), towards.x);
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth, towards.y);
