@@ -194,13 +194,13 @@ float core_blend_kind(uint32_t slot, const float *field) {
     return field[CORE_FIELD_KIND] * full * full;
 }
 
-/* Of sheets; heaps, cells and rolls stay as dense as they are. */
+/* Of sheets and veils; heaps, cells, rolls and grains stay as dense as they are. */
 static float sheet_share(uint32_t slot, float kind) {
     switch (slot) {
     case VELUM_SLOT_LOW:
     case VELUM_SLOT_LOW_2: return 1.0f - kind;
-    case VELUM_SLOT_MIDDLE: return velum_clamp(2.0f - 2.0f * kind, 0.0f, 1.0f);
-    case VELUM_SLOT_HIGH: return 1.0f;
+    case VELUM_SLOT_MIDDLE:
+    case VELUM_SLOT_HIGH: return velum_clamp(2.0f - 2.0f * kind, 0.0f, 1.0f);
     default: return 0.0f;
     }
 }

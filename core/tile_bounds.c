@@ -109,7 +109,7 @@ static float effective_slope(uint32_t slot, velum_slot_fields f, float least, fl
     enum { STEPS = 64 };
     const float step = (most - least) / (float)STEPS;
     float slope = 1.0f, last = 0.0f;
-    for (int i = 0; slot < VELUM_SLOT_UNIFORM && step > 1e-4f && i <= STEPS; i++) {
+    for (int i = 0; slot < VELUM_SLOT_UNIFORM && step > 1e-6f && i <= STEPS; i++) {
         f.coverage = least + (float)i * step;
         const float effective = effective_coverage(slot, f, velum_profile_of((int)slot, f));
         slope = i > 0 ? fmaxf(slope, fabsf(effective - last) / step) : slope;
@@ -232,6 +232,11 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         out->shape[0] = change.wind_1_s;
         out->shape[1] =
             change.coverage_1_m * coverage_factor(from, slot) * effective_slope(slot, dense, least, dense.coverage);
+        if (slot == VELUM_SLOT_STORM) {
+            /* Between texels a storm may be as much of an anvil as there is. */
+            const velum_slot_fields anvil = {.kind = 1.0f, .top_m = 1.0f};
+            out->most[3] = velum_profile_of((int)slot, anvil).power;
+        }
         out->shape[2] = change.height;
         out->shape[3] = lean_change(slot, change);
     }

@@ -168,7 +168,7 @@ float sun_reach_m(int slot, velum_slot_fields f, float height_m, float mu_sun) {
 }
 
 /* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
- * sheet (`closed`), whose table knows all of it. `ahead`: coverage where sun_depth ends. */
+ * sheet (`closed`), whose table knows all of it. `ahead`: coverage far on sun_depth's way. */
 float sun_share(cloud_hit hit, float mu_sun, float closed, float ahead) {
     float share = 1.0;
     for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
@@ -196,7 +196,7 @@ const float face_m = 1000.0;
 
 /* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; of the fields
  * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever
- * the fine detail; and coverage where that way ends. */
+ * the fine detail; and coverage in the last step. */
 vec3 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
@@ -266,12 +266,12 @@ const float deck_face = 0.38, deck_tilt = 0.29;
  */
 const float wall_share = 0.5, walls_seen = 0.73;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
-const float sky_aside = 1.0; /* the way of the sky's light between storms, m a metre down */
 const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
-const float storm_graze = 0.05; /* cosine at which a low sun meets an anvil, at least */
 const float storm_turned = 0.7, storm_meets = 0.55;
+const float storm_graze = 0.05; /* cosine at which a low sun meets what does not face it, at least */
+const float sky_aside = 1.0;    /* the way of the sky's light between storms, m a metre down */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.0, falls = 1.8;
@@ -339,7 +339,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float deep = even;
     if (storm && !is_fringe(hit)) {
-        /* Anvils lie flat, towers stand upright. */
+        /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = falls_1_m * flank_share / eye.slots[hit.slot].shape_0.w;
         float meets = max(straight, 0.0) * inversesqrt(1.0 + straight * straight);
         float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));

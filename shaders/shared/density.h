@@ -150,6 +150,11 @@ VELUM_FN float velum_beside(velum_slot_fields f) {
 #define VELUM_BESIDE_SLOPE 2.7f
 #define VELUM_BESIDE_1_M (1.4f * VELUM_ANVIL_COVER_1_M)
 
+/* velum_profile.power of towers and of a storm with its anvil; between them it grows by equal factors, so that what it
+ * bounds never changes fast. */
+#define VELUM_TOWER_POWER 1.7f
+#define VELUM_ANVIL_POWER 50.0f
+
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float kind = fields.kind;
     float over = velum_overcast(fields.coverage);
@@ -164,9 +169,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers, which is all that an overcast of them is; a storm with its anvil. */
         float t = kind * (1.0f - over);
-        p = velum_profile_blend(velum_profile_make(0.85f, 1.7f, 0.70f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
-                                velum_profile_make(0.80f, 50.0f, 0.75f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), t);
-        p.power = 1.7f * VELUM_POW(50.0f / 1.7f, t);
+        p = velum_profile_blend(
+            velum_profile_make(0.85f, VELUM_TOWER_POWER, 0.70f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
+            velum_profile_make(0.80f, VELUM_ANVIL_POWER, 0.75f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), t);
+        p.power = VELUM_TOWER_POWER * VELUM_POW(VELUM_ANVIL_POWER / VELUM_TOWER_POWER, t);
         p.damp = 0.85f * t;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
@@ -192,12 +198,12 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
-    p.rim = slot == VELUM_SLOT_CUMULUS  ? 6.0f
-            : slot == VELUM_SLOT_STORM  ? 5.0f
-            : slot == VELUM_SLOT_MIDDLE ? (kind < 0.5f ? velum_mix(3.0f, 8.0f, 2.0f * kind)
-                                                       : velum_mix(8.0f, 2.0f, 2.0f * kind - 1.0f))
-            : slot == VELUM_SLOT_HIGH   ? 1.0f
-                                        : velum_mix(3.0f, 1.0f, kind);
+    p.rim = slot == VELUM_SLOT_CUMULUS ? 6.0f
+            : slot == VELUM_SLOT_STORM ? 5.0f
+            : slot == VELUM_SLOT_MIDDLE
+                ? (kind < 0.5f ? velum_mix(3.0f, 8.0f, 2.0f * kind) : velum_mix(8.0f, 2.0f, 2.0f * kind - 1.0f))
+            : slot == VELUM_SLOT_HIGH ? 1.0f
+                                      : velum_mix(3.0f, 1.0f, kind);
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
