@@ -167,10 +167,10 @@ static double smooth(double low, double high, double x) {
 /* What is left at the very edge: of a sheet's thickness, and of a storm's. */
 #define EDGE_THICKNESS_M 200.0f
 #define EDGE_STORM_SHARE 0.25f
-/* Sheets thin out towards it by this power of fullness, below the first of these. */
+/* Sheets thin out towards it by a power of fullness, between these two. */
 #define EDGE_FULL 0.9f
 #define EDGE_LEAST_FULL 0.1f
-#define EDGE_THINS 4.0f
+#define EDGE_THINS_POWER 4.0f
 
 float core_blend_fullness(const float *field) {
     float c = field[CORE_FIELD_COVERAGE];
@@ -209,7 +209,7 @@ float core_blend_log_extinction(uint32_t slot, const float *field) {
     float full = fmaxf(core_blend_fullness(field), EDGE_LEAST_FULL);
     float c = field[CORE_FIELD_COVERAGE];
     float sheet = full < EDGE_FULL && c > 0.0f ? sheet_share(slot, field[CORE_FIELD_KIND] / c) : 0.0f;
-    return field[CORE_FIELD_LOG_EXTINCTION] + c * sheet * EDGE_THINS * logf(fminf(full / EDGE_FULL, 1.0f));
+    return field[CORE_FIELD_LOG_EXTINCTION] + c * sheet * EDGE_THINS_POWER * logf(fminf(full / EDGE_FULL, 1.0f));
 }
 
 /* A sharp edge is a ramp of 2 texels, centred on it; a transition lies outside the edge. */

@@ -167,6 +167,10 @@ float sun_reach_m(int slot, velum_slot_fields f, float height_m, float mu_sun) {
     return min(sun_way_m(f, height_m, mu_sun), thicknesses * (f.top_m - f.base_m) + 1500.0);
 }
 
+float across_cloud_m(int slot) {
+    return VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
+}
+
 /* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
  * sheet (`closed`), whose table knows all of it. `ahead`: coverage far on sun_depth's way. */
 float sun_share(cloud_hit hit, float mu_sun, float closed, float ahead) {
@@ -181,8 +185,7 @@ float sun_share(cloud_hit hit, float mu_sun, float closed, float ahead) {
         } else if (slot == VELUM_SLOT_STORM) {
             f.coverage = ahead;
         }
-        float cloud_m = VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
-        velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, cloud_m);
+        velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         share *= mix(light.open + light.through, 1.0, slot == hit.slot ? closed : 0.0);
     }
     return share;
@@ -307,7 +310,7 @@ vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
     velum_slot_fields f = hit.fields;
     float over_m = max(f.top_m - hit.height_m, 0.0);
     float down = over_m / max(f.top_m - f.base_m, 1.0);
-    float cloud_m = VELUM_CLOUD_SHARE / eye.slots[hit.slot].shape_0.w;
+    float cloud_m = across_cloud_m(hit.slot);
     float sun_aside_m = over_m * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) / max(mu_sun, 0.02);
     float seen = velum_free_lines(f.coverage, down, sky_aside * over_m, cloud_m);
     float lit = velum_free_lines(f.coverage, down, sun_aside_m, cloud_m);

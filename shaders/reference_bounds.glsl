@@ -82,11 +82,11 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     float tau = max(abs(eye.weather.z), velum_mixes ? abs(eye.weather.w) : 0.0);
     s.slowness = 1.0 / (1.0 + x.shape.x * tau + x.shape.w);
     s.even = x.even.x;
-    s.fade = 2.0 * x.shape.y; /* other fields change with coverage, and they count too */
+    s.fade = VELUM_FADE_OTHERS * x.shape.y;
     s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);
     /* What a storm covers depends on its anvil and its height, too. */
     s.fade += slot == VELUM_SLOT_STORM
-                  ? x.most.x * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x + 0.8 * s.bend)
+                  ? x.most.x * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x + VELUM_FADE_BEND * s.bend)
                   : 0.0;
     if (velum_mixes && a != b) {
         velum_page_bounds y = page_bounds[b == VELUM_PAGE_NONE ? a : b];
@@ -207,11 +207,6 @@ float shape_clear(int slot, slot_tile s, tile_place tile, float cover, velum_slo
     return max(min(clear, cover_valid), own_m);
 }
 
-/* Of the margin, over a change of coverage: as a storm's towers turn to anvils their threshold and what is carved off
- * them change by 2.1 at most; they do by the square of fullness, coverage over that in the storm's middle, taken as 0.3
- * at least, and as an overcast opens. */
-const float storm_edge = 2.1 / 0.3; /* of twice that change */
-
 /* Distance over which a margin stays below 0, whatever fine noise carves. */
 float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, float margin, float z, float slope,
                    float rise, float run) {
@@ -225,7 +220,7 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float cover = max(f.coverage * p.coverage_scale, 1e-4);
     float sharp = velum_mixes ? 1.0 / max(eye.drift.x, 1.0 - eye.drift.x) : 1.0;
     float along_e = slope * sharp * eye.slots[slot].shape_0.w * run / (max(s.slowness, 1e-3) * cover) + s.fade / cover;
-    along_e += slot == VELUM_SLOT_STORM ? storm_edge * s.fade : 0.0;
+    along_e += slot == VELUM_SLOT_STORM ? VELUM_STORM_EDGE * s.fade : 0.0;
     float along_lump = 2.0 * p.amplitude * view.march.z * eye.slots[slot].lump_0.w / max(s.slowness, 1e-3);
     along_lump *= velum_mixes ? 1.42 : 1.0;
     float clear = -(margin + VELUM_SLOPE_SLACK / cover + 0.012 * p.amplitude) / (1.2 * (along_z + along_e + along_lump));

@@ -163,9 +163,11 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         /* St: a sheet. Sc: lumps and rolls. */
         p = velum_profile_blend(velum_profile_make(0.40f, 4.0f, 0.12f, 0.30f, 0.06f, 0.0f, 0.6f, 0.5f, 60.0f),
                                 velum_profile_make(0.85f, 1.6f, 0.45f, 0.25f, 0.25f, 0.0f, 0.1f, 0.7f, 60.0f), kind);
+        p.rim = velum_mix(3.0f, 1.0f, kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
         p = velum_profile_blend(velum_profile_make(0.88f, 2.2f, 0.60f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f),
                                 velum_profile_make(0.85f, 2.4f, 0.65f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
+        p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers, which is all that an overcast of them is; a storm with its anvil. */
         float t = kind * (1.0f - over);
@@ -173,6 +175,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
             velum_profile_make(0.85f, VELUM_TOWER_POWER, 0.70f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
             velum_profile_make(0.80f, VELUM_ANVIL_POWER, 0.75f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), t);
         p.power = VELUM_TOWER_POWER * VELUM_POW(VELUM_ANVIL_POWER / VELUM_TOWER_POWER, t);
+        p.rim = 5.0f;
         p.damp = 0.85f * t;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
@@ -180,10 +183,12 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
             p = velum_profile_blend(velum_profile_make(0.25f, 3.0f, 0.05f, 0.30f, 0.04f, 0.0f, 0.8f, 0.2f, 180.0f),
                                     velum_profile_make(0.15f, 4.0f, 0.05f, 0.06f, 0.04f, 0.0f, 0.8f, 0.3f, 150.0f),
                                     2.0f * kind);
+            p.rim = velum_mix(3.0f, 8.0f, 2.0f * kind);
         } else {
             p = velum_profile_blend(velum_profile_make(0.15f, 4.0f, 0.05f, 0.06f, 0.04f, 0.0f, 0.8f, 0.3f, 150.0f),
                                     velum_profile_make(0.88f, 1.3f, 0.45f, 0.14f, 0.22f, 0.0f, 0.0f, 0.5f, 25.0f),
                                     2.0f * kind - 1.0f);
+            p.rim = velum_mix(8.0f, 2.0f, 2.0f * kind - 1.0f);
         }
     } else {
         /* Cs: a veil; Ci: fibres; Cc: grains. */
@@ -198,12 +203,6 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         }
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
-    p.rim = slot == VELUM_SLOT_CUMULUS ? 6.0f
-            : slot == VELUM_SLOT_STORM ? 5.0f
-            : slot == VELUM_SLOT_MIDDLE
-                ? (kind < 0.5f ? velum_mix(3.0f, 8.0f, 2.0f * kind) : velum_mix(8.0f, 2.0f, 2.0f * kind - 1.0f))
-            : slot == VELUM_SLOT_HIGH ? 1.0f
-                                      : velum_mix(3.0f, 1.0f, kind);
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);

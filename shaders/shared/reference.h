@@ -53,6 +53,15 @@ VELUM_STRUCT(velum_page_bounds) {
                            at most, in it and those around it, over that of the page; 255: 1 */
 };
 
+/* What else changes with coverage, where effective coverage does: so many times as fast, both. */
+#define VELUM_FADE_OTHERS 2.0f
+/* Effective coverage of a storm, over a change of its height by all of its thickness. */
+#define VELUM_FADE_BEND 0.8f
+/* Of a storm's margin, over a change of coverage with what else does (VELUM_FADE_OTHERS): as its towers turn to anvils
+ * their threshold and what is carved off them change by 2.1 at most; they do by the square of fullness, coverage over
+ * that in the storm's middle, taken as 0.3 at least, and as an overcast opens. */
+#define VELUM_STORM_EDGE (2.1f / 0.3f)
+
 /* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 4 at most: a byte each
  * of a word tells what is there. */
 #define VELUM_REFERENCE_CHAINS 4

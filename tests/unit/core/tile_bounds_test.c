@@ -86,12 +86,13 @@ static void fade(const core_tile *tile, uint32_t slot, const velum_page_bounds *
         return;
     }
     const float cover = fminf(a.coverage * p.coverage_scale, b.coverage * q.coverage_scale);
-    float fade_1_m = 2.0f * bounds->shape[1];
+    float fade_1_m = VELUM_FADE_OTHERS * bounds->shape[1];
     if (slot == VELUM_SLOT_STORM) {
         const float bend = bounds->shape[2] / fmaxf(bounds->height[2] - bounds->height[1], 1.0f);
-        fade_1_m += bounds->most[0] * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * bounds->shape[0] + 0.8f * bend);
+        fade_1_m +=
+            bounds->most[0] * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * bounds->shape[0] + VELUM_FADE_BEND * bend);
     }
-    const float storm_edge = slot == VELUM_SLOT_STORM ? 2.1f / 0.3f : 0.0f;
+    const float storm_edge = slot == VELUM_SLOT_STORM ? VELUM_STORM_EDGE : 0.0f;
     const float change = fabsf(velum_margin(p, e, z, lump, fine) - velum_margin(q, there, z, lump, fine));
     assert_true(change <= (1.0f / cover + storm_edge) * fade_1_m * step_m + 1e-3f);
 }
