@@ -79,8 +79,8 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
     } else if (slot == VELUM_SLOT_STORM) {
         a = velum_calibration_make(10600.0f, 1.1751f, 0.6767f, -0.0556f, -0.2075f, 0.4215f, 4.1553f, -0.0584f, -0.0355f,
                                    0.0684f, 0.9170f, -0.0253f, 0.0474f);
-        b = velum_calibration_make(10600.0f, 1.2539f, 0.7988f, -0.0392f, -0.3466f, 0.4882f, 3.9556f, -0.0460f, -0.8283f,
-                                   0.9186f, 1.0117f, -0.1682f, 0.0950f);
+        b = velum_calibration_make(10600.0f, 1.4994f, 0.9929f, -0.0507f, -0.4826f, 0.4366f, 5.8801f, -0.0805f, -1.1335f,
+                                   0.8670f, 1.0244f, -0.1645f, 0.0798f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {

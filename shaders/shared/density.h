@@ -116,7 +116,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
 /* Of velum_beside at no cover, a metre that the wind carries an anvil. */
-#define VELUM_ANVIL_COVER_1_M 4.5e-4f
+#define VELUM_ANVIL_COVER_1_M 4.3e-4f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
@@ -142,13 +142,13 @@ VELUM_FN float velum_anvil_m(velum_slot_fields f) {
 VELUM_FN float velum_beside(velum_slot_fields f) {
     float c = f.coverage;
     float over = velum_overcast(c);
-    float clear = (1.0f - c) * (1.0f + 0.6f * c * c * c * c) * (1.0f - over) * (1.0f - 0.3f * over);
+    float clear = (1.0f - c) * (1.0f + 0.45f * c * c * c * c) * (1.0f - over) * (1.0f - 0.3f * over);
     float far_m = velum_anvil_m(f);
-    return VELUM_ANVIL_COVER_1_M * far_m * (0.8f + 0.2f * VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f)) * clear;
+    return VELUM_ANVIL_COVER_1_M * far_m * (0.7f + 0.3f * VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f)) * clear;
 }
 /* Its change with coverage at most, over its value at no cover: as an overcast begins; and a metre farther. */
 #define VELUM_BESIDE_SLOPE 2.7f
-#define VELUM_BESIDE_1_M (1.4f * VELUM_ANVIL_COVER_1_M)
+#define VELUM_BESIDE_1_M (1.6f * VELUM_ANVIL_COVER_1_M)
 
 /* velum_profile.power of towers and of a storm with its anvil; between them it grows by equal factors, so that what it
  * bounds never changes fast. */
@@ -238,11 +238,11 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions. */
-#define VELUM_ANVIL_LOW 0.74f
-#define VELUM_ANVIL_HIGH 0.97f
+#define VELUM_ANVIL_LOW 0.80f
+#define VELUM_ANVIL_HIGH 1.0f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
-#define VELUM_STEM_FOOT 0.10f
+#define VELUM_STEM_FOOT 0.30f
 #define VELUM_STEM_SLOPE 0.35f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
