@@ -257,17 +257,18 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
  * shines alike; sky over a slab between two faces is Eddington's. Fitted to the reference over the scenes of
  * tests/accuracy. */
-const float turns = 0.085; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_depth = 1.2; /* of the lit face, over that along the sun */
-const float dark_share = 0.7; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.81;
+const float turns = 0.058; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_depth = 1.29; /* of the lit face, over that along the sun */
+const float dark_share = 0.775; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
+const float deep_share = 0.746;
+const float below_share = 1.284; /* of the base among the ways out */
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.6, lump_low = 0.4;
-const float deck_face = 0.38, deck_tilt = 0.29;
+const float lump_face = 0.584, lump_low = 0.34;
+const float deck_face = 0.399, deck_tilt = 0.253;
 /* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
  */
-const float wall_share = 0.5, walls_seen = 0.73;
+const float wall_share = 0.684, walls_seen = 0.918;
 const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
 const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
@@ -277,13 +278,13 @@ const float storm_graze = 0.05; /* cosine at which a low sun meets what does not
 const float sky_aside = 1.0;    /* the way of the sky's light between storms, m a metre down */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
-const float limb = 2.0, falls = 1.8;
+const float limb = 2.71, falls = 1.84;
+/* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
+const float onward = 0.127;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-/* What is carved off a cloud leaves crevices, whose walls stand in the sun's way: by the depth of the carving, in e. */
-const float crevice = 0.54;
-const float flank_share = 0.168; /* of the noise's period: from hem to heart of what light crosses */
-const float onset = 0.12; /* of light that has turned, by the depth of all of the cloud */
-const float widened_share = 0.62, widened_loss = 0.21;
+const float flank_share = 0.226; /* of the noise's period: from hem to heart of what light crosses */
+const float onset = 0.152; /* of light that has turned, by the depth of all of the cloud */
+const float widened_share = 0.572, widened_loss = 0.097;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -295,11 +296,11 @@ ways_out ways_out_of(cloud_hit hit) {
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
-    float column = inner * thickness * max(reach, 0.1);
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
+    float below = velum_water_below(hit.profile, z);
     ways_out ways;
-    ways.up = column * clamp((reach - z) / max(reach, 0.05), 0.0, 1.0);
-    ways.down = column * z;
+    ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - below, 0.0);
+    ways.down = inner * thickness * below;
     ways.flank = inner * max(hit.margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
@@ -328,15 +329,15 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float down = 1.0 / (1.0 + turns * ways.down);
     float flank = 1.0 / (1.0 + turns * ways.flank);
     float lit = 1.0 / (1.0 + lit_depth * turns * depth);
-    /* Near a top or a base the flank is no other way. */
-    flank = max(flank - max(up, down), 0.0);
+    /* Near a top or a base the flank is no other way; an overcast has none. */
+    float over = velum_overcast(hit.fields.coverage);
+    flank = max(flank - max(up, down), 0.0) * (storm ? 1.0 : 1.0 - over);
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
     /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps have faces turned to any sun. */
     float wall = storm ? storm_share * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
-    float over = velum_overcast(hit.fields.coverage);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
@@ -351,6 +352,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float dark = down + max(flank - lit, 0.0);
     float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
+    diffuse *= 1.0 + onward * phases.cos_sun * (2.0 * lit - 1.0);
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
@@ -359,11 +361,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls)
                         : walls_seen * hit.fields.coverage;
     vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * even * sun, walls);
-    float carved = max(hit.excess - velum_threshold(hit.profile, hit.height_fraction) - hit.margin, 0.0);
-    carved = is_fringe(hit) ? 0.0 : carved;
-    float open = 1.0 / (1.0 + crevice * carved);
-    return sun * (first + widened + open * deep * diffuse) +
-           (above * up + below * down + beside * flank) / (up + down + flank);
+    return sun * (first + widened + deep * diffuse) +
+           (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its

@@ -291,6 +291,18 @@ VELUM_FN float velum_softness(velum_profile p, float e, float thinned) {
     return velum_mix(p.softness * rim, VELUM_ANVIL_SOFTNESS, thinned);
 }
 
+/* Extinction at height fraction z over its mean. Water that grows linearly from the base in as many drops (adiabatic)
+ * has an extinction that grows as its power 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest
+ * fifth. */
+#define VELUM_WATER_LEAN 0.6f
+VELUM_FN float velum_water(velum_profile p, float z) {
+    return 1.0f + p.growth * (2.0f * z - 1.0f) * VELUM_WATER_LEAN;
+}
+/* Its integral from the base. */
+VELUM_FN float velum_water_below(velum_profile p, float z) {
+    return z * (1.0f + p.growth * (z - 1.0f) * VELUM_WATER_LEAN);
+}
+
 /* Relative extinction of a covered column at height fraction z: mean over columns, heights and noise is 1. `spread`:
  * half of how much the margin changes over the stretch that the value is to stand for, in e; 0: a point. */
 VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_over_base_m, float lump, float fine,
@@ -299,9 +311,7 @@ VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_o
     float thinned = velum_thinned(p, z);
     float softness = velum_softness(p, e, thinned);
     float inside = velum_smoothstep(-spread, softness + spread, f);
-    /* Water that grows linearly from the base in as many drops (adiabatic) has an extinction that grows as its power
-     * 2/3, 5/3 z^(2/3) of the mean: within 0.08 of 0.4 + 1.2 z above the lowest fifth. */
-    float water = 1.0f + p.growth * (2.0f * z - 1.0f) * 0.6f;
+    float water = velum_water(p, z);
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);
     water = water * (1.0f - thinned);
     return inside * water * foot * p.density_scale;
