@@ -269,25 +269,27 @@ const float deck_face = 0.399, deck_tilt = 0.253;
 /* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
  */
 const float wall_share = 0.684, walls_seen = 0.918;
-const float storm_share = 0.9; /* the first of storms, whose walls are the most that they are... */
+/* The first of storms, whose walls are the most that they are, and less in a field of anvils... */
+const float storm_share = 0.92, storm_field = 0.21;
 const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
-const float storm_turned = 0.7, storm_meets = 0.55;
+const float storm_turned = 0.72, storm_meets = 0.55;
 const float storm_graze = 0.05; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 1.0;    /* the way of the sky's light between storms, m a metre down */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
-const float limb = 2.71, falls = 1.84;
+const float limb = 2.55, falls = 1.84;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
 const float onward = 0.127;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float flank_share = 0.226; /* of the noise's period: from hem to heart of what light crosses */
-const float onset = 0.152; /* of light that has turned, by the depth of all of the cloud */
+const float onset = 0.128; /* of light that has turned, by the depth of all of the cloud */
 const float widened_share = 0.572, widened_loss = 0.097;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
+    float soft;            /* what the softness of a top leaves of `up` */
 };
 
 ways_out ways_out_of(cloud_hit hit) {
@@ -301,6 +303,10 @@ ways_out ways_out_of(cloud_hit hit) {
     ways_out ways;
     ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - below, 0.0);
     ways.down = inner * thickness * below;
+    float softness = velum_softness(hit.profile, hit.excess, velum_thinned(hit.profile, z));
+    /* From the top down, in lengths over which the boundary (a smoothstep) grows whole. */
+    float softs = max(reach - z, 0.0) * hit.profile.power * max(hit.excess, 0.0) / max(softness * reach, 1.0e-4);
+    ways.soft = softs < 1.0 ? softs * softs * (1.0 - 0.5 * softs) : 1.0 - 0.5 / softs;
     ways.flank = inner * max(hit.margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
@@ -336,7 +342,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
     /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps have faces turned to any sun. */
-    float wall = storm ? storm_share * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
+    float of_storm = storm_share - storm_field * hit.profile.damp;
+    float wall = storm ? of_storm * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
@@ -350,17 +357,18 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
         deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met) * (storm_turned + storm_meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
-    float steep = max(1.0 + hit.rise * (falls * sqrt(down) - limb * up), 0.0);
-    float diffuse = lit / (lit + dark_share * dark) * (1.0 - exp(-onset * whole)) * steep;
+    float turned = 1.0 - exp(-onset * whole);
+    float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
+    float diffuse = lit / (lit + dark_share * dark) * turned * steep;
     diffuse *= 1.0 + onward * phases.cos_sun * (2.0 * lit - 1.0);
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
-        above = between_storms(hit, above, storm_share * even * sun, mu_sun);
+        above = between_storms(hit, above, of_storm * even * sun, mu_sun);
     }
     float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls)
                         : walls_seen * hit.fields.coverage;
-    vec3 beside = mix(0.5 * (above + below), (storm ? storm_share : wall_share) * even * sun, walls);
+    vec3 beside = mix(0.5 * (above + below), (storm ? of_storm : wall_share) * even * sun, walls);
     return sun * (first + widened + deep * diffuse) +
            (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
 }
@@ -407,14 +415,15 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
         float share = velum_slab_share(inside, i == 0 ? 0.21132487 : 0.78867513);
         float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
         h = STUDIED(study_at_point() ? hit.height_m : h, h);
-        float whole = ways.up + ways.down;
+        float up = ways.up * ways.soft;
+        float whole = up + ways.down;
         /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
-        float column = sqrt(ways.up / max(whole, 1.0e-6));
-        float toward = mix(min(depth * max(mu_sun, 0.0), whole), ways.up, column);
+        float column = sqrt(up / max(whole, 1.0e-6));
+        float toward = mix(min(depth * max(mu_sun, 0.0), whole), up, column);
         float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : toward;
         float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : mix(whole - toward, ways.down, column);
         float along = uniform_layer ? over / max(mu_sun, 1e-3) : depth;
-        vec2 sky = scattered_sky(which, uniform_layer ? over : ways.up, uniform_layer ? under : ways.down, -hit.rise);
+        vec2 sky = scattered_sky(which, uniform_layer ? over : up, uniform_layer ? under : ways.down, -hit.rise);
         float narrow = velum_scattering_first(phases.cos_sun, g, peak, straight * along);
         float first = mix(narrow, wide, second) * albedo * light.direct;
         float later = scattered_sun(which, scattering_rest(rest_g, 1.0 - straight), over, under, mu_sun, -hit.rise,
