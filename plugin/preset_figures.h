@@ -14,7 +14,7 @@ typedef struct preset_figures {
 
 /* Low, medium, high, ultra. */
 static const preset_figures preset_figures_of[PRESETS] = {
-    {0.107f, 1.7f}, {0.104f, 2.1f}, {0.102f, 3.3f}, {0.102f, 4.7f}};
+    {0.106f, 1.7f}, {0.098f, 2.1f}, {0.096f, 3.3f}, {0.096f, 4.7f}};
 
 /* The cheapest whose error is not above this; where there is none, the cheapest of those with the least. */
 static inline uint32_t preset_for_error(float error) {

@@ -20,8 +20,12 @@ static const genus_row genera[] = {
     {"As", "altostratus", 1.0, 3200, 5000, 30}, {"Cs", "cirrostratus", 0.95, 7500, 9000, 25},
     {"Ci", "cirrus", 0.5, 8200, 9600, 40},      {"Cc", "cirrocumulus", 0.6, 7300, 7700, 45},
 };
-/* Pictures are so many times as wide as their references, to be looked at. */
-enum { GENERA = sizeof genera / sizeof genera[0], HOURS = 3, PLACES = 3, GAP = 4, FRAMES = 64, ENLARGED = 3 };
+enum { GENERA = sizeof genera / sizeof genera[0], HOURS = 3, PLACES = 3, GAP = 4, FRAMES = 64, DRAWN_W = 288 };
+
+/* How many times as wide pictures are as their references: to be looked at. */
+static uint32_t enlarged(const program *p) {
+    return (DRAWN_W + p->reference.width - 1) / p->reference.width;
+}
 
 static const struct {
     const char *name;
@@ -91,7 +95,7 @@ static bool draw_one(program *p, const genus_row *g, int hour, int place, genus_
     if (stage_load_text(&p->s, text, 0.0f) != STAGE_OK) {
         return false;
     }
-    if (!draw_preset(&p->s, ENLARGED * width, ENLARGED * height, &out->found[hour][place])) {
+    if (!draw_preset(&p->s, enlarged(p) * width, enlarged(p) * height, &out->found[hour][place])) {
         return false;
     }
     stage_camera_init(&p->s, width, height, &camera);
@@ -137,7 +141,7 @@ static void write_row(FILE *page, const genus_row *g, const genus_sheet *drawn) 
 }
 
 static bool write_sheet(const program *p, const genus_row *g, const genus_sheet *drawn) {
-    const uint32_t w = ENLARGED * p->reference.width, h = ENLARGED * p->reference.height;
+    const uint32_t w = enlarged(p) * p->reference.width, h = enlarged(p) * p->reference.height;
     const uint32_t pair = drawn->reference_count > 0 ? 2 * w : w;
     char path[CHART_PATH];
     sheet out = {0};
@@ -150,7 +154,7 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
             const uint32_t x = place * (pair + 2 * GAP), y = hour * (h + GAP);
             sheet_put_picture(&out, x, y, found, exposure);
             if (r->count > 0) {
-                ok = picture_enlarge(r, ENLARGED, &large);
+                ok = picture_enlarge(r, enlarged(p), &large);
                 sheet_put_picture(&out, x + w, y, &large, exposure);
             }
             picture_finish(&large);
@@ -195,11 +199,11 @@ int genera_run(program *p) {
                 "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g%s\n\nEach "
                 "sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to bottom; from "
                 "below, within and above the layer from left to right; of each pair left preset high, right the "
-                "reference, at the same exposure, of pixels %d times as wide. Figures, of the preset at the "
+                "reference, at the same exposure, of pixels %u times as wide. Figures, of the preset at the "
                 "reference's size: error of means over 8 x 8 pixels, bias of the whole picture (noise of the "
                 "reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.cached ? " --cached" : "",
-                hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg, ENLARGED);
+                hours[0].elevation_deg, hours[1].elevation_deg, hours[2].elevation_deg, enlarged(p));
     }
     for (int i = 0; ok && i < GENERA; i++) {
         ok = draw_genus(p, &genera[i], page);
