@@ -254,8 +254,8 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
- * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends. With light alike all round it
- * shines alike; sky over a slab between two faces is Eddington's. Fitted to the reference over the scenes of
+ * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share). With
+ * light alike all round it shines alike. Fitted to the reference over the scenes of
  * tests/accuracy. */
 const float turns = 0.058; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.29; /* of the lit face, over that along the sun */
