@@ -74,7 +74,7 @@ static float lean_change(uint32_t slot, slopes change) {
 /* What a storm's anvils take from its towers is most where it covers least, and mixed states may do that in its wind.
  */
 static float page_most_1_m(uint32_t slot, velum_slot_fields f, velum_profile p) {
-    float most = f.extinction_1_m * p.density_scale * (1.0f + 0.6f * fmaxf(p.growth, 0.0f));
+    float most = f.extinction_1_m * p.density_scale * (1.0f + VELUM_WATER_LEAN * fmaxf(p.growth, 0.0f));
     if (slot == VELUM_SLOT_STORM) {
         velum_slot_fields least = f;
         least.coverage = 0.0f;

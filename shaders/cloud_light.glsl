@@ -289,7 +289,7 @@ const float widened_share = 0.572, widened_loss = 0.097;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
-    float soft;            /* what the softness of a top leaves of `up` */
+    float reach;           /* height fraction at which the column ends */
 };
 
 ways_out ways_out_of(cloud_hit hit) {
@@ -299,14 +299,11 @@ ways_out ways_out_of(cloud_hit hit) {
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
-    float below = velum_water_below(hit.profile, z);
+    float water_below = velum_water_below(hit.profile, z);
     ways_out ways;
-    ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - below, 0.0);
-    ways.down = inner * thickness * below;
-    float softness = velum_softness(hit.profile, hit.excess, velum_thinned(hit.profile, z));
-    /* From the top down, in lengths over which the boundary (a smoothstep) grows whole. */
-    float softs = max(reach - z, 0.0) * hit.profile.power * max(hit.excess, 0.0) / max(softness * reach, 1.0e-4);
-    ways.soft = softs < 1.0 ? softs * softs * (1.0 - 0.5 * softs) : 1.0 - 0.5 / softs;
+    ways.reach = reach;
+    ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - water_below, 0.0);
+    ways.down = inner * thickness * water_below;
     ways.flank = inner * max(hit.margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
@@ -380,6 +377,16 @@ float closed_share(cloud_hit hit) {
     return over * over * clamp((hit.profile.close - closed_from) / (closed_at - closed_from), 0.0, 1.0);
 }
 
+/* What the softness of a column's top leaves of what stands over a place. */
+float soft_share(cloud_hit hit, ways_out ways) {
+    float z = hit.height_fraction;
+    float softness = velum_softness(hit.profile, hit.excess, velum_thinned(hit.profile, z));
+    /* From the top down, in lengths over which the boundary (a smoothstep) grows whole. */
+    float lengths = max(ways.reach - z, 0.0) * hit.profile.power * max(hit.excess, 0.0);
+    lengths /= max(softness * ways.reach, 1.0e-4);
+    return lengths < 1.0 ? lengths * lengths * (1.0 - 0.5 * lengths) : 1.0 - 0.5 / lengths;
+}
+
 /* The same by a table (shared/scattering.h): of a uniform layer, what it is made for, or of cloud that has closed.
  * `place_m`: how far beyond the sample the light of a uniform layer comes from. */
 vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth,
@@ -408,6 +415,11 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     float inside = f.extinction_1_m * span.inside_m;
     vec3 above = ambient_over(f.top_m, true);
     vec3 below = ambient_under(f.base_m, true);
+    float up = ways.up * soft_share(hit, ways);
+    float whole = up + ways.down;
+    /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
+    float column = sqrt(up / max(whole, 1.0e-6));
+    float toward = mix(min(depth * max(mu_sun, 0.0), whole), up, column);
     vec3 source = vec3(0.0);
     /* Two points of Gauss and Legendre over the light that a step through a uniform layer takes. */
     int points = uniform_layer ? 2 : 1;
@@ -415,11 +427,6 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
         float share = velum_slab_share(inside, i == 0 ? 0.21132487 : 0.78867513);
         float h = velum_height_along(hit.at_h_m, hit.rise, mix(span.from_m, span.to_m, share));
         h = STUDIED(study_at_point() ? hit.height_m : h, h);
-        float up = ways.up * ways.soft;
-        float whole = up + ways.down;
-        /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
-        float column = sqrt(up / max(whole, 1.0e-6));
-        float toward = mix(min(depth * max(mu_sun, 0.0), whole), up, column);
         float over = uniform_layer ? f.extinction_1_m * max(f.top_m - h, 0.0) : toward;
         float under = uniform_layer ? f.extinction_1_m * max(h - f.base_m, 0.0) : mix(whole - toward, ways.down, column);
         float along = uniform_layer ? over / max(mu_sun, 1e-3) : depth;

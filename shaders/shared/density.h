@@ -29,7 +29,7 @@ VELUM_STRUCT(velum_profile) {
     float stem;        /* of g below the anvil (VELUM_STEM_FOOT), 0: none */
     float damp;        /* how much thinner than the towers the anvil is, and softer */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
-    float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_body_over */
+    float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_water */
     float base_soft_m; /* the base is not a knife's edge */
     float coverage_scale, density_scale; /* calibration.h */
 };

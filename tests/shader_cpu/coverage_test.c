@@ -123,8 +123,24 @@ static void other_layers_hold_what_was_asked_for(void **state) {
     }
 }
 
+/* From the base to the top it is the mean, which is 1; its slope is what stands there. */
+static void water_below_is_the_integral_of_water(void **state) {
+    (void)state;
+    const float step = 1.0f / 64.0f;
+    for (float growth = 0.0f; growth <= 1.0f; growth += 0.25f) {
+        velum_profile p = velum_profile_make(1.0f, 1.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, growth, 1.0f);
+        assert_float_equal(velum_water_below(p, 0.0f), 0.0f, 0.0f);
+        assert_float_equal(velum_water_below(p, 1.0f), 1.0f, 1e-6f);
+        for (float z = step; z < 1.0f; z += step) {
+            float slope = (velum_water_below(p, z + step) - velum_water_below(p, z - step)) / (2.0f * step);
+            assert_float_equal(slope, velum_water(p, z), 1e-5f);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(water_below_is_the_integral_of_water),
         cmocka_unit_test(noise_as_a_whole_holds_what_was_asked_for),
         cmocka_unit_test(storms_in_wind_hold_what_was_asked_for),
         cmocka_unit_test(other_layers_hold_what_was_asked_for),
