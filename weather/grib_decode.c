@@ -175,9 +175,11 @@ static velum_result check_picture(const grib_field *field, const char *name, con
         if (x1 > x0 && y1 > y0) {
             points = (uint64_t)(x1 - x0) * (y1 - y0);
         }
-        /* One component, without subsampling, tiles that are not many more than needed. */
-        fits = grib_u16(data + 40) == 1 && data[43] == 1 && data[44] == 1 && grib_u32(data + 24) > 0 &&
-               grib_u32(data + 28) > 0 && (uint64_t)grib_u32(data + 24) * grib_u32(data + 28) >= points / 1024;
+        /* One component, unsigned (ecCodes ends the process otherwise), without subsampling, tiles that are not many
+         * more than needed. */
+        fits = grib_u16(data + 40) == 1 && data[42] < 128 && data[43] == 1 && data[44] == 1 &&
+               grib_u32(data + 24) > 0 && grib_u32(data + 28) > 0 &&
+               (uint64_t)grib_u32(data + 24) * grib_u32(data + 28) >= points / 1024;
     }
     if (points != in->count || !fits) {
         return fail(field, name, error, "data section: the picture's size or depth is not that of the field");

@@ -171,6 +171,17 @@ static void flipped_bytes_never_break_the_reader(void **state) {
     assert_true(refusals > 30);
 }
 
+/* Of a JPEG 2000 code stream, whose head says so in the 43rd byte (ISO/IEC 15444-1, A.5.1). */
+static void signed_pictures_are_refused(void **state) {
+    (void)state;
+    sample file = load("jpeg");
+    char *stream = memmem(file.bytes, file.size, "\xff\x4f\xff\x51", 4);
+    assert_non_null(stream);
+    stream[42] = (char)(stream[42] | 0x80);
+    refused(file.bytes, file.size, VELUM_ERROR_ARGUMENT, "the picture's size or depth");
+    free(file.bytes);
+}
+
 static char *find_section(sample file, uint32_t message, int number) {
     size_t at = 0;
     for (uint32_t i = 1; at + 16 < file.size; ++i) {
@@ -328,6 +339,7 @@ int main(void) {
         cmocka_unit_test(foreign_files_are_refused),
         cmocka_unit_test(a_cut_anywhere_is_one_error),
         cmocka_unit_test(flipped_bytes_never_break_the_reader),
+        cmocka_unit_test(signed_pictures_are_refused),
         cmocka_unit_test(absurd_grids_and_values_are_refused_by_name),
         cmocka_unit_test(a_file_without_cloud_is_refused_whole),
         cmocka_unit_test(a_second_file_replaces_the_grid_and_an_error_does_not),
