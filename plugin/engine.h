@@ -48,6 +48,7 @@ typedef enum pass {
     PASS_GLOW,
     PASS_SKY,
     PASS_DUE,                                /* rays of views that stand */
+    PASS_FINER,                              /* rays of views that move */
     PASS_MARCH,                              /* eight */
     PASS_LIGHT = PASS_MARCH + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,

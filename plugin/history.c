@@ -11,6 +11,8 @@
  * and the new way takes over. */
 #define RESTING_SAMPLES 1024.0f
 #define OTHER_PLAN_SAMPLES 8.0f
+/* Blocks of so many pixels have quarters. */
+#define FINER_RATE_LEAST 4
 /* Beyond these an eye has not flown but been put elsewhere; in orbit it makes 8 km/s. */
 #define JUMP_S 5.0
 #define JUMP_M 1000.0
@@ -165,6 +167,9 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     t.samples = drifts || !is_still ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;
+    /* The rays of the frame before tell which. */
+    t.has_finer = t.way == HISTORY_MOVES && t.calm_turns == 0 && plan->finer_rays != 0 &&
+                  plan->ray_rate >= FINER_RATE_LEAST && !plan_is_study(plan) && plan->ray_rate == past->plan.ray_rate;
     next->calm_turns = t.calm_turns;
     next->time_s = t.way == HISTORY_MOVES || t.settles ? now->time_s : past->time_s;
     next->before = *now;

@@ -22,6 +22,7 @@ typedef struct history_turn {
     /* Frames in which tiles of rays that find what history has take one turn; 0: all have rays in every frame. */
     uint32_t calm_turns;
     bool tiles_begin;  /* nothing is known of them */
+    bool has_finer;    /* blocks may have rays more: see velum_plan.finer_rays */
     view_history next; /* the view's, once the frame is recorded */
 } history_turn;
 

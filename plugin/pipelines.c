@@ -12,6 +12,7 @@
 /* After the headers: they need uint32_t. */
 #include "air.spv.h"
 #include "due.spv.h"
+#include "finer.spv.h"
 #include "gather.spv.h"
 #include "glow.spv.h"
 #include "light.spv.h"
@@ -196,6 +197,7 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_DUE] = {velum_due_spv, sizeof velum_due_spv},
+        [PASS_FINER] = {velum_finer_spv, sizeof velum_finer_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},

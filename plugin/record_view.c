@@ -223,6 +223,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
+                     (history->has_finer ? VELUM_VIEW_BLOCK_FINER : 0u) |
                      (now->has_depth ? VELUM_VIEW_BLOCK_DEPTH : 0u) | (now->is_aside ? VELUM_VIEW_BLOCK_ASIDE : 0u);
     uint32_t x, row;
     place_of_turn(side, counter % turns, &x, &row);
@@ -346,8 +347,8 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
 typedef struct view_passes {
     pass march, light; /* light PASS_COUNT: none; studies light as they go */
     pass gather;
-    pass resolve;   /* without ground */
-    bool has_turns; /* not all rays are due */
+    pass resolve; /* without ground */
+    pass list;    /* of rays; PASS_COUNT: each block has one */
 } view_passes;
 
 static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
@@ -357,8 +358,11 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
-        return (view_passes){
-            .march = (pass)(PASS_MARCH_STUDY + kind), .light = PASS_COUNT, .gather = PASS_COUNT, .resolve = resolve};
+        return (view_passes){.march = (pass)(PASS_MARCH_STUDY + kind),
+                             .light = PASS_COUNT,
+                             .gather = PASS_COUNT,
+                             .resolve = resolve,
+                             .list = PASS_COUNT};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
@@ -366,7 +370,9 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
                          .light = (pass)(PASS_LIGHT + kind + closed),
                          .gather = history->way == HISTORY_KEEPS ? PASS_GATHER_KEEPS : PASS_GATHER,
                          .resolve = resolve,
-                         .has_turns = history->calm_turns != 0};
+                         .list = history->calm_turns != 0 ? PASS_DUE
+                                 : history->has_finer     ? PASS_FINER
+                                                          : PASS_COUNT};
 }
 
 static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
@@ -376,8 +382,8 @@ static bool make_passes(engine *e, const view_passes *passes, const velum_view_f
         needed[count++] = passes->light;
         needed[count++] = passes->gather;
     }
-    if (passes->has_turns) {
-        needed[count++] = PASS_DUE;
+    if (passes->list != PASS_COUNT) {
+        needed[count++] = passes->list;
     }
     if (f->flags & VELUM_VIEW_GROUND) {
         needed[count++] = (pass)(passes->resolve + PASS_GROUND);
@@ -392,16 +398,16 @@ static void record_list(view *v, VkCommandBuffer commands, pass which, VkDeviceS
     e->g.CmdDispatchIndirect(commands, v->lit.buffer, at);
 }
 
-/* Each ray that is due. */
-static void record_rays(view *v, VkCommandBuffer commands, const velum_view_block *block, pass which, bool has_turns) {
-    if (has_turns) {
+/* Each ray of the frame. */
+static void record_rays(view *v, VkCommandBuffer commands, const velum_view_block *block, pass which, pass list) {
+    if (list != PASS_COUNT) {
         record_list(v, commands, which, VELUM_LIT_DISPATCH_BYTES);
     } else {
         record_dispatch(v->eye->e, commands, which, block->march_size[0], block->march_size[1]);
     }
 }
 
-/* Rays, listed first where not all are due; the light of the places that they have found; both together. */
+/* Rays, listed first where not each block has one; the light of the places that they have found; both together. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block, const view_passes *which) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
@@ -410,18 +416,18 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
     const VkAccessFlags2 write = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     const VkAccessFlags2 access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | write |
                                   VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
-    if (which->has_turns) {
-        record_dispatch(e, commands, PASS_DUE, block->march_size[0], block->march_size[1]);
+    if (which->list != PASS_COUNT) {
+        record_dispatch(e, commands, which->list, block->march_size[0], block->march_size[1]);
         gpu_barrier(g, commands, compute, write, reads, access);
     }
-    record_rays(v, commands, block, which->march, which->has_turns);
+    record_rays(v, commands, block, which->march, which->list);
     if (which->light == PASS_COUNT) {
         return;
     }
     gpu_barrier(g, commands, compute, write, reads, access);
     record_list(v, commands, which->light, 0);
     gpu_barrier(g, commands, compute, write, reads, access);
-    record_rays(v, commands, block, which->gather, which->has_turns);
+    record_rays(v, commands, block, which->gather, which->list);
 }
 
 /* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do

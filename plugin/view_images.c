@@ -30,9 +30,11 @@ static void finish_rays(gpu *g, view *v) {
 static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     const VkBufferUsageFlags usage =
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    const VkDeviceSize bytes = list_at(w, h) + (VkDeviceSize)w * h * (VELUM_LIT_PLACES + 1) * sizeof(uint32_t);
+    const VkDeviceSize blocks = (VkDeviceSize)w * h;
+    const VkDeviceSize rays = blocks + blocks * VELUM_FINER_NINTHS / 9 * 3;
+    const VkDeviceSize bytes = list_at(w, h) + (blocks * VELUM_LIT_PLACES + rays) * sizeof(uint32_t);
     const VkDeviceSize tiles_w = (w + VELUM_TILE_RAYS_W - 1) / VELUM_TILE_RAYS_W;
-    const VkDeviceSize ray_count = (VkDeviceSize)w * h + tiles_w * ((h + VELUM_TILE_RAYS_H - 1) / VELUM_TILE_RAYS_H);
+    const VkDeviceSize ray_count = blocks + tiles_w * ((h + VELUM_TILE_RAYS_H - 1) / VELUM_TILE_RAYS_H);
     bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
               gpu_image_init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
               gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE) &&

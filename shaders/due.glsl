@@ -1,4 +1,5 @@
-/* Rays of a frame. Where views stand, only some are due: listed, they fill the lanes of the passes over them. */
+/* Rays of a frame. Where views stand, only some are due, and where they move, some blocks have more: listed, they fill the
+ * lanes of the passes over them. */
 #ifndef VELUM_DUE_GLSL
 #define VELUM_DUE_GLSL
 
@@ -17,22 +18,61 @@ bool is_in_picture(ivec2 block) {
     return block.x < int(view.march_size.x) && block.y < int(view.march_size.y);
 }
 
-/* Of the list of rays in lit_list. */
+uint block_count() {
+    return view.march_size.x * view.march_size.y;
+}
+ivec2 block_at(uint index) {
+    return ivec2(index % view.march_size.x, index / view.march_size.x);
+}
+/* Of the list of rays in lit_list; of that of finer blocks, behind the places that there can be with them. */
 uint due_first() {
-    return view.march_size.x * view.march_size.y * uint(VELUM_LIT_PLACES);
+    return block_count() * uint(VELUM_LIT_PLACES);
+}
+uint finer_first() {
+    return due_first() - block_count() / 4u;
 }
 
-/* The block whose ray is an invocation's, if there is one. */
-bool due_block(out ivec2 block) {
-    if (calm_turns() == 0u) {
-        block = picture_block();
-        return is_in_picture(block);
+/* A block's ray, or a finer block's (see finer_pixel). */
+struct due_ray {
+    ivec2 block;
+    uint which;
+    uint place, places; /* its first in lit; how many it may have */
+};
+
+/* An invocation's ray, if there is one. */
+bool due_ray_here(out due_ray ray) {
+    bool finer = view_flag(VELUM_VIEW_BLOCK_FINER);
+    ray.which = 0u;
+    ray.places = finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
+    if (calm_turns() == 0u && !finer) {
+        ray.block = picture_block();
+        ray.place = (uint(ray.block.y) * view.march_size.x + uint(ray.block.x)) * ray.places;
+        return is_in_picture(ray.block);
     }
     uint index = listed_index();
     bool is_due = index < due_count;
-    uint ray = lit_list[due_first() + (is_due ? index : 0u)];
-    block = ivec2(ray % view.march_size.x, ray / view.march_size.x);
+    uint listed = lit_list[due_first() + (is_due ? index : 0u)];
+    ray.which = finer ? listed & 3u : 0u;
+    listed = finer ? listed >> 2u : listed;
+    ray.block = block_at(listed);
+    ray.place = listed * ray.places;
+    if (ray.which != 0u) {
+        ray.place = finer_head(block_count(), rays[listed].y - 1u, ray.which) + 1u;
+    }
     return is_due;
+}
+
+/* The ray of a place. */
+ivec2 pixel_of_place(uint place) {
+    if (!view_flag(VELUM_VIEW_BLOCK_FINER)) {
+        return ray_pixel(block_at(place / uint(VELUM_LIT_PLACES)));
+    }
+    uint own = block_count() * uint(VELUM_FINER_PLACES);
+    if (place < own) {
+        return ray_pixel(block_at(place / uint(VELUM_FINER_PLACES)));
+    }
+    uint more = (place - own) / uint(VELUM_FINER_PLACES + 1);
+    return finer_pixel(block_at(lit_list[finer_first() + more / 3u]), 1u + more % 3u);
 }
 
 #endif

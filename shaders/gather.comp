@@ -33,27 +33,33 @@ void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
 }
 
 void main() {
-    ivec2 block;
-    if (!due_block(block)) {
+    due_ray of;
+    if (!due_ray_here(of)) {
         return;
     }
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
-    vec4 found = texelFetch(march_light, block, 0);
-    float distance_m = texelFetch(march_distance, block, 0).r;
-    uint first = lit_first(block, view.march_size.x);
+    bool more = of.which != 0u;
+    vec4 found = more ? lit[of.place - 1u] : texelFetch(march_light, of.block, 0);
+    float distance_m = more ? found.z : texelFetch(march_distance, of.block, 0).r;
+    uint first = of.place;
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < uint(found.x); ++i) {
         sum += lit[first + i];
     }
     bool any = found.y > 0.0;
     distance_m += any ? sum.a / found.y : 0.0;
-    view_ray ray = ray_of_pixel(ray_pixel(block));
+    view_ray ray = ray_of_pixel(finer_pixel(of.block, of.which));
     vec3 light = air_before_cloud(ray.origin, ray.direction, sum.rgb, found.a, distance_m, any);
     vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a);
+    if (more) {
+        lit[of.place - 1u] = whole;
+        lit[of.place].x = distance_m;
+        return;
+    }
     /* Later frames look between rays of earlier ones too. */
-    imageStore(light_out, block, whole);
-    imageStore(distance_out, block, vec4(distance_m));
+    imageStore(light_out, of.block, whole);
+    imageStore(distance_out, of.block, vec4(distance_m));
     if (keeps) {
-        keep(block, ray, whole, distance_m);
+        keep(of.block, ray, whole, distance_m);
     }
 }

@@ -3,10 +3,9 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 /* Light of the places that the march has listed. */
 #include "air.glsl"
-#include "view.glsl"
 #include "weather.glsl"
 #include "cloud_light.glsl"
-#include "lit.glsl"
+#include "due.glsl"
 layout(local_size_x = VELUM_GROUP * VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[4];
@@ -19,7 +18,7 @@ void main() {
     }
     uint place = lit_list[index];
     vec4 found = lit[place];
-    ivec2 pixel = ray_pixel(lit_block(place, view.march_size.x));
+    ivec2 pixel = pixel_of_place(place);
     view_ray ray = ray_of_pixel(pixel);
     float offset = step_offset(pixel);
     float at = found.x;

@@ -12,6 +12,7 @@ layout(set = 1, binding = VELUM_BIND_LIT, std430) buffer lit_buffer {
     uint lit_columns, lit_rows, lit_layers; /* of the dispatch */
     uint lit_count;                         /* of the list */
     uint due_columns, due_rows, due_layers, due_count; /* see due.glsl */
+    uint finer_count, finer_unused_1, finer_unused_2, finer_unused_3; /* blocks: see finer.comp */
     vec4 lit[];
 };
 layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
@@ -28,12 +29,11 @@ uint listed_rows(uint count) {
     return (count + in_row - 1u) / in_row;
 }
 
-uint lit_first(ivec2 block, uint rays_w) {
-    return (uint(block.y) * rays_w + uint(block.x)) * uint(VELUM_LIT_PLACES);
-}
-ivec2 lit_block(uint place, uint rays_w) {
-    uint ray = place / uint(VELUM_LIT_PLACES);
-    return ivec2(ray % rays_w, ray / rays_w);
+/* Head of a ray more of a finer block, the `which`th of three (1..3): as the march leaves it number of places, their share
+ * of the picture, their distance, transmittance; as gather.comp leaves it light and transmittance, and then distance. Its
+ * places follow. `finer`: the block's number among its like. `rays`: one for each block. */
+uint finer_head(uint rays, uint finer, uint which) {
+    return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);
 }
 
 #endif

@@ -58,11 +58,12 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
 }
 
 void main() {
-    ivec2 block;
-    if (!due_block(block)) {
+    due_ray of;
+    if (!due_ray_here(of)) {
         return;
     }
-    ivec2 pixel = ray_pixel(block);
+    ivec2 block = of.block;
+    ivec2 pixel = finer_pixel(block, of.which);
     view_ray ray = ray_of_pixel(pixel);
 
     float end = view.march.z;
@@ -106,7 +107,7 @@ void main() {
     uint light_samples = 0u;
     bool is_lit = false;
 #else
-    uint first_place = lit_first(block, view.march_size.x);
+    uint first_place = of.place;
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
     float pick = pick_offset(offset);
@@ -280,8 +281,8 @@ void main() {
         weighted += alpha * min(at + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
-        bool deeper = through < 1.0 - float(places) / float(VELUM_LIT_PLACES);
-        bool fits = places < uint(VELUM_LIT_PLACES) && (deeper || float(part) != place.w);
+        bool deeper = through < 1.0 - float(places) / float(of.places);
+        bool fits = places < of.places && (deeper || float(part) != place.w);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
@@ -314,7 +315,11 @@ void main() {
     if (places > 0u) {
         lit[first_place + places - 1u] = place;
     }
-    imageStore(light_out, block, vec4(float(places), weight, 0.0, through));
+    if (of.which != 0u) {
+        lit[first_place - 1u] = vec4(float(places), weight, distance_m, through);
+    } else {
+        imageStore(light_out, block, vec4(float(places), weight, 0.0, through));
+    }
     uint before = subgroupExclusiveAdd(places);
     uint all = subgroupAdd(places);
     uint list_first = 0u;
@@ -327,7 +332,9 @@ void main() {
         lit_list[list_first + i] = first_place + i;
     }
 #endif
-    imageStore(distance_out, block, vec4(distance_m));
+    if (of.which == 0u) {
+        imageStore(distance_out, block, vec4(distance_m));
+    }
 
     uint ray_count = subgroupAdd(1u);
     samples = subgroupAdd(samples);

@@ -4,6 +4,7 @@
 #include "air.glsl"
 #include "shared/hash.h"
 #include "history.glsl"
+#include "lit.glsl"
 /* Positions from the eye: the block is shifted to it. */
 #define VELUM_SHADOW_SET 0
 #define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
@@ -224,11 +225,27 @@ vec4 history_light(vec2 place, vec2 size) {
     return clamp(sum, min(min(here, corner), min(left, over)), max(max(here, corner), max(left, over)));
 }
 
-/* Whether a pixel has a ray in this frame. */
-bool has_ray(ivec2 pixel) {
-    ivec2 side = ray_block_size();
-    ivec2 block = pixel / side;
-    return pixel - block * side == ray_turn(block.y) && block_has_ray(block);
+/* What a ray of this frame has found. */
+struct found_ray {
+    vec4 light;
+    float distance_m;
+    ivec2 pixel; /* whose it is */
+};
+
+/* Of a block, or of a quarter of one: where that has none the block's own. */
+found_ray ray_found(ivec2 place, bool of_quarter) {
+    ivec2 block = of_quarter ? place / 2 : place;
+    uint which = of_quarter ? finer_which(place & 1) : 0u;
+    uint number = which != 0u ? finer_number(block) : 0u;
+    which = number != 0u ? which : 0u;
+    found_ray ray = found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r,
+                              finer_pixel(block, which));
+    if (which != 0u) {
+        uint head = finer_head(view.march_size.x * view.march_size.y, number - 1u, which);
+        ray.light = lit[head];
+        ray.distance_m = lit[head + 1u].x;
+    }
+    return ray;
 }
 
 /* What history has is lost, or was never there. */
@@ -239,17 +256,30 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
-    bool own = has_ray(pixel);
     ivec2 last = ivec2(view.march_size.xy) - 1;
+    bool finer = moves && finer_number(block) != 0u;
+    ivec2 within = pixel - block * side;
+    bool own = within == turn && block_has_ray(block);
+    vec2 middle = vec2(turn);
+    if (finer) {
+        side = quarter_size();
+        last = 2 * last + 1;
+        own = within == finer_turn(finer_which(within / side));
+        middle = 0.5 * vec2(side - 1);
+    }
 
     /* This frame's ray, or between its neighbours. */
     cloud_pixel fresh;
     fresh.change = lost;
-    vec2 at = (vec2(pixel) - vec2(turn)) / vec2(side);
-    at = own ? vec2(block) : clamp(at, vec2(0.0), vec2(last));
-    /* The images may have room for more rays and pixels than this frame has. */
-    fresh.light = textureLod(march_light, (at + 0.5) / view.room.xy, 0.0);
-    fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
+    vec2 at = (vec2(pixel) - middle) / vec2(side);
+    at = own ? vec2(pixel / side) : clamp(at, vec2(0.0), vec2(last));
+    fresh.light = vec4(0.0);
+    fresh.distance_m = 0.0;
+    if (!moves) {
+        /* The images may have room for more rays and pixels than this frame has. */
+        fresh.light = textureLod(march_light, (at + 0.5) / view.room.xy, 0.0);
+        fresh.distance_m = texelFetch(march_distance, clamp(ivec2(floor(at + 0.5)), ivec2(0), last), 0).r;
+    }
     fresh.samples = own ? 1.0 : 0.0;
 
     bool first = view.march_size.w == 0u;
@@ -259,45 +289,26 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     history_place place;
     place.pixel = vec2(pixel) + 0.5;
     place.known = true;
-    bool calm = false;
-    if (moves && !has_depth) {
-        vec2 corner = clamp(floor(at), vec2(0.0), vec2(max(last - 1, ivec2(0))));
-        vec4 around_m = textureGather(march_distance, (corner + 1.0) / view.room.xy);
-        around_m = last.x == 0 ? around_m.xxww : around_m;
-        around_m = last.y == 0 ? around_m.wzzw : around_m;
-        around_m = mix(around_m, vec4(nothing_m()), lessThanEqual(around_m, vec4(0.0)));
-        float own_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
-        near_m = own ? own_m : min(min(around_m.x, around_m.y), min(around_m.z, around_m.w));
-        far_m = own ? own_m : max(max(around_m.x, around_m.y), max(around_m.z, around_m.w));
-        near_m = min(near_m, end_m);
-        far_m = min(far_m, end_m);
-        bool one;
-        place = history_of(ray, near_m, far_m, one);
-        /* All has moved alike, and little: history is believed, whatever other rays have seen. */
-        calm = one && travels() < 2e-3 && moved_pixels(place, pixel) < believed() && (own || place.samples >= 0.5);
-    }
-
     /* What this frame saw around the pixel. */
-    vec4 low = fresh.light;
+    vec4 low = moves ? vec4(1.0e9) : fresh.light;
     vec4 high = fresh.light;
     float blend = 0.0;
     vec4 mixed = vec4(0.0);
     float weights = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
-    for (int k = own || calm || !(moves || first || has_depth) ? 4 : 0; k < 4; ++k) {
-        ivec2 there = clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last);
-        vec4 light = texelFetch(march_light, there, 0);
-        float distance_m = texelFetch(march_distance, there, 0).r;
+    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < (own ? 1 : 4); ++k) {
+        found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
+        vec4 light = there.light;
+        float distance_m = there.distance_m;
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
         float weight = share.x * share.y;
         bool fit = true;
         if (has_depth) {
-            ivec2 of_ray = min(there * side + ray_turn(there.y), ivec2(view.size.xy) - 1);
-            fit = alike(end_of(host_distance(of_ray, ray)), end_m);
+            fit = alike(end_of(host_distance(there.pixel, ray)), end_m);
             weight = max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
-            mixed += weight * light;
-            weights += weight;
         }
+        mixed += weight * light;
+        weights += weight;
         blend += weight * (1.0 - light.a) * distance_m;
         distance_m = distance_m > 0.0 ? distance_m : nothing_m();
         if (has_depth && fit && !fits) {
@@ -308,13 +319,11 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool counts = !has_depth || fit || !fits;
         low = counts ? min(low, light) : low;
         high = counts ? max(high, light) : high;
-        if (has_depth) {
-            near_m = counts ? min(near_m, distance_m) : near_m;
-            far_m = counts ? max(far_m, distance_m) : far_m;
-        }
+        near_m = counts ? min(near_m, distance_m) : near_m;
+        far_m = counts ? max(far_m, distance_m) : far_m;
         fits = fits || fit;
     }
-    if (has_depth && !own) {
+    if (moves || (has_depth && !own)) {
         fresh.light = mixed / weights;
         blend /= weights;
     }
@@ -329,10 +338,14 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         return fresh;
     }
     vec2 size = vec2(view.size.xy);
-    if (moves && has_depth) {
+    bool calm = false;
+    if (moves) {
         float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
         bool one;
         place = history_of(ray, min(own ? fresh_m : near_m, end_m), min(own ? fresh_m : far_m, end_m), one);
+        /* All has moved alike, and little: history is believed, whatever other rays have seen. */
+        calm = !has_depth && one && travels() < 2e-3 && moved_pixels(place, pixel) < believed() &&
+               (own || place.samples >= 0.5);
     }
     cloud_pixel old;
     if (!moves) {

@@ -100,6 +100,29 @@ bool alike(float a_m, float b_m) {
 ivec2 ray_pixel(ivec2 block) {
     return min(block * ray_block_size() + ray_turn(block.y), ivec2(view.size.xy) - 1);
 }
+
+/* A finer block has a ray in each of its quarters, and each pixel of a quarter in its turn: of 4 x 4 all have had one
+ * after four frames. Rays are told from the block's own, 0, by the bits of how their quarters lie to its. */
+ivec2 quarter_size() {
+    return max(ray_block_size() / 2, ivec2(1));
+}
+ivec2 finer_turn(uint which) {
+    ivec2 half_size = ray_block_size() / 2;
+    return ray_turn(0) ^ ivec2(which & 1u, which >> 1u) * (half_size + half_size / 2);
+}
+/* Of the ray of a quarter (0, 0) to (1, 1). */
+uint finer_which(ivec2 quarter) {
+    ivec2 apart = quarter ^ (ray_turn(0) / quarter_size());
+    return uint(apart.x + 2 * apart.y);
+}
+/* Number of a block among the finer ones, and one; 0: it is none. */
+uint finer_number(ivec2 block) {
+    return view_flag(VELUM_VIEW_BLOCK_FINER) ? rays[ray_of(block)].y : 0u;
+}
+ivec2 finer_pixel(ivec2 block, uint which) {
+    ivec2 pixel = min(block * ray_block_size() + finer_turn(which), ivec2(view.size.xy) - 1);
+    return which == 0u ? ray_pixel(block) : pixel;
+}
 view_ray ray_of_pixel(ivec2 pixel) {
     return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);
 }

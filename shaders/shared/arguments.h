@@ -60,6 +60,7 @@ VELUM_STRUCT(velum_eye_block) {
 #define VELUM_VIEW_BLOCK_DEPTH 16u /* a depth image is bound */
 #define VELUM_VIEW_BLOCK_SETTLE                                                                                        \
     32u /* what history holds is shown until a pixel has a ray of its own, and then forgotten */
+#define VELUM_VIEW_BLOCK_FINER 128u /* some blocks have four rays: finer.comp */
 #define VELUM_VIEW_BLOCK_ASIDE 64u /* rays begin far from the eye, whose sky tells nothing of the air before them */
 
 /* A view in a frame. Offsets are from the eye of this frame, m. */
@@ -188,7 +189,13 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_LIT_PLACES 4
 #define VELUM_LIT_BYTES 16
 #define VELUM_LIT_DISPATCH_BYTES 16
-#define VELUM_LIT_HEAD_BYTES (2 * VELUM_LIT_DISPATCH_BYTES)
+#define VELUM_LIT_HEAD_BYTES (3 * VELUM_LIT_DISPATCH_BYTES)
+/* Where some blocks have four rays: places of any ray then; of a group of blocks that may have them, in ninths; least
+ * contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one ray with four
+ * places for each block does. */
+#define VELUM_FINER_PLACES 2
+#define VELUM_FINER_NINTHS 2
+#define VELUM_FINER_CONTRAST 0.5f
 /* Columns of dispatches over lists; rows as many as it takes. */
 #define VELUM_LIT_COLUMNS 16
 

@@ -339,13 +339,18 @@ static void answers_are_checked(void **state) {
     f.plan = plan;
     misuse m = engine_fixture_misuse(&f, "set_plan", call_set_plan);
     misuse_expect_ok(&m, "the plan as it was");
-    misuse_struct(&m, &f.plan, sizeof f.plan, true,
-                  VELUM_PLAN_STEP_THROUGH | VELUM_PLAN_BASE_SEARCH | VELUM_PLAN_LIGHT_ALL);
+    /* As version 1 froze it. */
+    const uint32_t frozen = offsetof(velum_plan, finer_rays);
+    f.plan.struct_size = frozen;
+    misuse_expect_ok(&m, "a plan of the first version");
+    f.plan.struct_size = sizeof f.plan;
+    misuse_struct(&m, &f.plan, frozen, true, VELUM_PLAN_STEP_THROUGH | VELUM_PLAN_BASE_SEARCH | VELUM_PLAN_LIGHT_ALL);
     static const field_rule rules[] = {
         RULE(velum_plan, step_m, FIELD_F32, -INFINITY, INFINITY),
         RULE(velum_plan, step_growth, FIELD_F32, 0, INFINITY),
         RULE(velum_plan, distance_m, FIELD_F32, 0, INFINITY),
         RULE(velum_plan, blending, FIELD_U32, 0, 1),
+        RULE(velum_plan, finer_rays, FIELD_U32, 0, 1),
         RULE(velum_plan, integrator, FIELD_U32, 0, VELUM_INTEGRATOR_TRAPEZOID),
         RULE(velum_plan, scattering, FIELD_U32, 0, VELUM_SCATTERING_OCTAVES),
         RULE(velum_plan, sun_depth, FIELD_U32, 0, VELUM_SUN_DEPTH_MAP),

@@ -144,7 +144,8 @@ static void runs_in_silence(void **state) {
     assert_int_equal(h.f.errors, 0);
     assert_int_equal(h.f.engine_api->get_stats(h.views[0], &stats), VELUM_OK);
     assert_true(stats.frame >= 20 && stats.frame < 24);
-    assert_int_equal(stats.rays, (WIDTH / 4) * (HEIGHT / 4));
+    /* And as many more as a moving sky may have. */
+    assert_in_range(stats.rays, (WIDTH / 4) * (HEIGHT / 4), (WIDTH / 4) * (HEIGHT / 4) * 5 / 3);
     assert_true(stats.samples > 0);
     assert_int_equal(stats.incomplete, 0);
     assert_true(stats.weather_bytes > 0 && stats.view_bytes > 0);

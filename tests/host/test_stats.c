@@ -41,7 +41,8 @@ static void every_field_of_a_plan_is_told(void **state) {
                              .long_step = 8.0f,
                              .thin_density = 0.5f,
                              .exit_transmittance = 0.125f,
-                             .standing_ray_rate = 32};
+                             .standing_ray_rate = 32,
+                             .finer_rays = 1};
     json_t *object = stats_plan(&plan);
     assert_int_equal(json_object_size(object), sizeof plan / 4 - 1); /* all but struct_size */
     json_t *flags = json_object_get(object, "flags");
@@ -64,6 +65,7 @@ static void every_field_of_a_plan_is_told(void **state) {
     assert_true(number_of(object, "thin_density") == 0.5);
     assert_true(number_of(object, "exit_transmittance") == 0.125);
     assert_true(number_of(object, "standing_ray_rate") == 32.0);
+    assert_true(number_of(object, "finer_rays") == 1.0);
     json_decref(object);
 }
 

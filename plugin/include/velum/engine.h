@@ -253,6 +253,12 @@ typedef struct velum_plan {
      * 1, 2, 4, .. 256; where it is not above ray_rate there is none of this. 0 where a budget_ms is kept. Who imposes a
      * ray_rate for views that stand imposes 0 here. */
     uint32_t standing_ray_rate;
+
+    /* Of any eye, but of no plan with a field of studies. 1: where an eye or its weather moves, blocks of ray_rate
+     * pixels around which rays have found much that differs (0.3 of what is seen) have a ray in each of their quarters:
+     * at most two in nine, so that there are at most 5 / 3 as many rays. With a ray_rate of 4 and more. 0: never; so it
+     * is where a budget_ms is kept. */
+    uint32_t finer_rays;
 } velum_plan;
 
 typedef struct velum_engine_api {
