@@ -35,6 +35,10 @@ const float trusted = 0.15, doubted = 1.0;
 const float alike_pixels = 0.15;
 /* Of the eye in a frame: on such a way cloud around it shows. */
 const float travel_m = 2.0;
+/* Share of it below which an eye does but turn. */
+const float turns = 2e-3;
+/* Samples that history counts for where it moves so many pixels a frame: each way that it is handed on blurs it. */
+const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
 
@@ -344,7 +348,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool one;
         place = history_of(ray, min(own ? fresh_m : near_m, end_m), min(own ? fresh_m : far_m, end_m), one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
-        calm = !has_depth && one && travels() < 2e-3 && moved_pixels(place, pixel) < believed() &&
+        calm = !has_depth && one && travels() < turns && moved_pixels(place, pixel) < believed() &&
                (own || place.samples >= 0.5);
     }
     cloud_pixel old;
@@ -384,10 +388,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
 
     if (moves) {
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
-         * where the eye goes through air that may hold cloud. */
-        float lost_from = believed();
-        float trust =
-            count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, moved_pixels(place, pixel));
+         * where the eye goes through air that may hold cloud; not where it turns, for all turns alike. */
+        float moved = moved_pixels(place, pixel);
+        float lost_from = travels() < turns ? 1.0e9 : believed();
+        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, moved);
         vec4 bright = vec4(max(high, old.light).rgb, 1.0);
         vec4 slack = (high - low) * 0.25 + bright * 0.02;
         vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels();
@@ -398,6 +402,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = own || calm ? old.light : held;
         count = count < 0.5 ? 0.0 : max(count, 1.0);
+        count = min(count, mix(view.scale.w, handed_on, smoothstep(handed_on_from, handed_on_to, moved)));
     }
 
     cloud_pixel result;
