@@ -23,6 +23,9 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+/* And beside its growth with the way is no longer than this share of the noise's period, times the root of cover: clouds
+ * of rare cover are small. */
+const float rare_share = 0.02;
 /* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as
  * large in the picture as it is near. */
 const float at_eye_m = 12.0, wider = 0.5;
@@ -133,7 +136,7 @@ void main() {
         float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
-        float long_dt = max(first_dt, min(position * growth, longest)) * hurry;
+        float long_dt = min(max(first_dt, position * growth), longest) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
@@ -228,6 +231,7 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
+        layer_m = min(layer_m, rare_share * sqrt(f.coverage) / eye.slots[slot].shape_0.w + at * growth);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
