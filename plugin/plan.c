@@ -79,7 +79,7 @@ void plan_make(const engine *e, eye *y) {
                            /* What it saves would be spent by a budget, and be missing as soon as the eye moves. */
                            .standing_ray_rate = y->is_governed ? 0 : p.standing_ray_rate,
                            /* A budget buys more rays everywhere. */
-                           .finer_rays = !y->is_governed};
+                           .finer_rays = !y->is_governed && y->quality != VELUM_QUALITY_REFERENCE};
     plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels",
                 p.name, setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
                 p.light_steps, setting.ray_rate);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-/* One ray for each block of pixels: transmittance of cloud, its mean distance, and the places of it that get light
+/* One ray for each block of pixels, or four (finer.comp): transmittance of cloud, its mean distance, and the places of it that get light
  * (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
 #include "air.glsl"
 #include "due.glsl"
@@ -23,9 +23,8 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
-/* And beside its growth with the way is no longer than this share of the noise's period, times the root of cover: clouds
- * of rare cover are small. */
-const float rare_share = 0.02;
+/* Where cover is rare clouds are small: below so much of it long steps go by its root, down to this share. */
+const float rare_below = 0.3, rare_least = 0.3;
 /* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as
  * large in the picture as it is near. */
 const float at_eye_m = 12.0, wider = 0.5;
@@ -136,7 +135,8 @@ void main() {
         float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
-        float long_dt = min(max(first_dt, position * growth), longest) * hurry;
+        float long_dt = STUDIED(max(first_dt, min(position * growth, longest)),
+                                min(max(first_dt, position * growth), longest)) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
@@ -231,7 +231,8 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
-        layer_m = min(layer_m, rare_share * sqrt(f.coverage) / eye.slots[slot].shape_0.w + at * growth);
+        float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_below, 1.0)), rare_least);
+        layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;

@@ -35,9 +35,10 @@ const float trusted = 0.15, doubted = 1.0;
 const float alike_pixels = 0.15;
 /* Of the eye in a frame: on such a way cloud around it shows. */
 const float travel_m = 2.0;
-/* Share of it below which an eye does but turn. */
-const float turns = 2e-3;
-/* Samples that history counts for where it moves so many pixels a frame: each way that it is handed on blurs it. */
+/* Share of it below which an eye stands or turns. */
+const float stays = 2e-3;
+/* Samples that history counts for where it moves so many pixels a frame, but for the strides of standing views: each time
+ * that it is handed on blurs it. */
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
@@ -83,13 +84,8 @@ float held_of(float distance_m, float opacity) {
     return opacity > least_opacity && distance_m > 0.0 ? min(distance_m, nothing_m()) : nothing_m();
 }
 
-past_place past_of(view_ray ray, float distance_m) {
+past_place past_place_of(vec3 q) {
     past_place p;
-    float rise = dot(ray.direction, eye.up.xyz);
-    float height_m = eye.up.w + dot(ray.origin, eye.up.xyz) +
-                     distance_m * (rise + 0.5 * distance_m * (1.0 - rise * rise) / VELUM_WGS84_A_M);
-    vec3 drift_m = view.drifts[int(velum_shade_level_of(height_m) + 0.5)].xyz;
-    vec3 q = ray.origin + ray.direction * distance_m - drift_m - view.before_offset.xyz;
     vec2 plane = vec2(dot(q, view.before_right.xyz), dot(q, view.before_up.xyz));
     float depth_m = dot(q, view.before_forward.xyz);
     p.away_m = view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? depth_m : length(q);
@@ -100,6 +96,19 @@ past_place past_of(view_ray ray, float distance_m) {
     p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
     p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
     return p;
+}
+
+past_place past_of(view_ray ray, float distance_m) {
+    float rise = dot(ray.direction, eye.up.xyz);
+    float height_m = eye.up.w + dot(ray.origin, eye.up.xyz) +
+                     distance_m * (rise + 0.5 * distance_m * (1.0 - rise * rise) / VELUM_WGS84_A_M);
+    vec3 drift_m = view.drifts[int(velum_shade_level_of(height_m) + 0.5)].xyz;
+    return past_place_of(ray.origin + ray.direction * distance_m - drift_m - view.before_offset.xyz);
+}
+
+/* Where it would have stood, had the eye turned and nothing moved. */
+vec2 turned_of(view_ray ray) {
+    return past_place_of(ray.origin - view.offset.xyz + ray.direction * nothing_m()).pixel;
 }
 
 history_place history_at(past_place past, float distance_m) {
@@ -348,7 +357,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         bool one;
         place = history_of(ray, min(own ? fresh_m : near_m, end_m), min(own ? fresh_m : far_m, end_m), one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
-        calm = !has_depth && one && travels() < turns && moved_pixels(place, pixel) < believed() &&
+        calm = !has_depth && one && travels() < stays && moved_pixels(place, pixel) < believed() &&
                (own || place.samples >= 0.5);
     }
     cloud_pixel old;
@@ -388,10 +397,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
 
     if (moves) {
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
-         * where the eye goes through air that may hold cloud; not where it turns, for all turns alike. */
-        float moved = moved_pixels(place, pixel);
-        float lost_from = travels() < turns ? 1.0e9 : believed();
-        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, moved);
+         * where the eye goes through air that may hold cloud; not where it has but turned, for all turns alike. */
+        float lost_from = believed();
+        float apart = length(place.pixel - turned_of(ray));
+        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, apart);
         vec4 bright = vec4(max(high, old.light).rgb, 1.0);
         vec4 slack = (high - low) * 0.25 + bright * 0.02;
         vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels();
@@ -402,7 +411,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = own || calm ? old.light : held;
         count = count < 0.5 ? 0.0 : max(count, 1.0);
-        count = min(count, mix(view.scale.w, handed_on, smoothstep(handed_on_from, handed_on_to, moved)));
+        float most = calm_turns() != 0u ? 0.0 : smoothstep(handed_on_from, handed_on_to, moved_pixels(place, pixel));
+        count = min(count, mix(view.scale.w, handed_on, most));
     }
 
     cloud_pixel result;

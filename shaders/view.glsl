@@ -40,7 +40,8 @@ uint calm_turns() {
     return view.turn.w + VELUM_NOTHING;
 }
 
-/* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Then of each tile
+/* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Where blocks may have more rays, for that
+ * how many of them come before it, and one; 0: it has none more (finer.comp). Then of each tile
  * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. due.comp writes the blocks', and lets
  * that fade; later passes read the blocks' and add to it. */
 layout(set = 1, binding = VELUM_BIND_RAYS, std430) buffer ray_buffer {
@@ -107,8 +108,7 @@ ivec2 quarter_size() {
     return max(ray_block_size() / 2, ivec2(1));
 }
 ivec2 finer_turn(uint which) {
-    ivec2 half_size = ray_block_size() / 2;
-    return ray_turn(0) ^ ivec2(which & 1u, which >> 1u) * (half_size + half_size / 2);
+    return ray_turn(0) ^ ivec2(which & 1u, which >> 1u) * (ray_block_size() - 1);
 }
 /* Of the ray of a quarter (0, 0) to (1, 1). */
 uint finer_which(ivec2 quarter) {

@@ -60,8 +60,8 @@ VELUM_STRUCT(velum_eye_block) {
 #define VELUM_VIEW_BLOCK_DEPTH 16u /* a depth image is bound */
 #define VELUM_VIEW_BLOCK_SETTLE                                                                                        \
     32u /* what history holds is shown until a pixel has a ray of its own, and then forgotten */
-#define VELUM_VIEW_BLOCK_FINER 128u /* some blocks have four rays: finer.comp */
 #define VELUM_VIEW_BLOCK_ASIDE 64u /* rays begin far from the eye, whose sky tells nothing of the air before them */
+#define VELUM_VIEW_BLOCK_FINER 128u /* some blocks have four rays: finer.comp */
 
 /* A view in a frame. Offsets are from the eye of this frame, m. */
 VELUM_STRUCT(velum_view_block) {
@@ -147,8 +147,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_DEPTH 12        /* sampler2D, or a dummy */
 #define VELUM_BIND_COUNTERS 13     /* storage: uint rays, samples, light samples, missing tiles */
 #define VELUM_BIND_REFERENCE_COUNT 14
-#define VELUM_BIND_LIT 14      /* storage: two dispatches and counts, then places of rays that get light (lit.glsl) */
-#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; then rays that are due (due.glsl) */
+#define VELUM_BIND_LIT 14      /* storage: two dispatches and three counts, then places of rays that get light (lit.glsl) */
+#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; finer blocks; rays that are due (due.glsl) */
 #define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
 #define VELUM_BIND_VIEW_COUNT 17
 
@@ -185,7 +185,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_RESTLESS 0.06f
 
 /* Places of a ray at which cloud's light is found, at most; bytes of one. Before them, of so many bytes each: dispatch
- * and count of the places, then those of the rays that are due. */
+ * and count of the places, then those of the rays that are due, and the number of finer blocks. */
 #define VELUM_LIT_PLACES 4
 #define VELUM_LIT_BYTES 16
 #define VELUM_LIT_DISPATCH_BYTES 16

@@ -233,7 +233,7 @@ typedef struct velum_plan {
     uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
     float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
-                               those in cloud are 0.18 of it */
+                               those in cloud are 0.18 of it; where cover is rare, down to 0.3 of it */
     float step_growth;      /* relative growth with distance, 0..0.5 */
     float distance_m;       /* rays end here at the latest, 1..1e7 */
 
@@ -255,9 +255,10 @@ typedef struct velum_plan {
     uint32_t standing_ray_rate;
 
     /* Of any eye, but of no plan with a field of studies. 1: where an eye or its weather moves, blocks of ray_rate
-     * pixels around which rays have found much that differs (0.3 of what is seen) have a ray in each of their quarters:
-     * at most two in nine, so that there are at most 5 / 3 as many rays. With a ray_rate of 4 and more. 0: never; so it
-     * is where a budget_ms is kept. */
+     * pixels around which rays have found much that differs (half of what is seen) have a ray in each of their
+     * quarters: at most two in nine, so that there are at most 5 / 3 as many rays. With a ray_rate of 4 and more. 0:
+     * never; so it is where a budget_ms is kept, in plans of the reference, and in those of hosts whose struct_size
+     * ends before it. */
     uint32_t finer_rays;
 } velum_plan;
 
