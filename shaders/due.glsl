@@ -1,5 +1,5 @@
-/* Rays of a frame. Where views stand, only some are due, and where they move, some blocks have more: listed, they fill the
- * lanes of the passes over them. */
+/* Rays of a frame. Where views stand, only some are due, and where they move, some blocks have more: listed, they fill
+ * the lanes of the passes over them. */
 #ifndef VELUM_DUE_GLSL
 #define VELUM_DUE_GLSL
 

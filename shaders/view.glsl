@@ -40,10 +40,10 @@ uint calm_turns() {
     return view.turn.w + VELUM_NOTHING;
 }
 
-/* Of each block: frame of its newest ray, how far off the host's surface was there, as bits of a float. Where blocks may have more rays, for that
- * how many of them come before it, and one; 0: it has none more (finer.comp). Then of each tile
- * of VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. due.comp writes the blocks', and lets
- * that fade; later passes read the blocks' and add to it. */
+/* Of each block: frame of its newest ray; how far off the host's surface was there, as bits of a float, or, where blocks
+ * may have more rays, how many such blocks come before it, and one (0: it has none more). Then of each tile of
+ * VELUM_TILE_RAYS_W x VELUM_TILE_RAYS_H blocks: how restless it is; nothing. due.comp and finer.comp write the blocks',
+ * due.comp lets the tiles' fade; later passes read the blocks' and add to the tiles'. */
 layout(set = 1, binding = VELUM_BIND_RAYS, std430) buffer ray_buffer {
     uvec2 rays[];
 };
