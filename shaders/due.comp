@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 /* Where views stand: lists the rays that are due in a frame, and notes it of them; how restless tiles are fades. */
-#include "due.glsl"
+#include "due_list.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 /* Where the host has no surface. */
@@ -43,15 +43,8 @@ void main() {
         uint restless = min(rays[tile].x, VELUM_RESTLESS_MOST);
         rays[tile].x = restless - restless / VELUM_RESTLESS_FRAMES;
     }
-    uint before = subgroupExclusiveAdd(is_due ? 1u : 0u);
-    uint all = subgroupAdd(is_due ? 1u : 0u);
-    uint first = 0u;
-    if (subgroupElect()) {
-        first = atomicAdd(due_count, all);
-        atomicMax(due_rows, listed_rows(first + all));
-    }
-    first = subgroupMax(first) + before;
+    uint room = due_room(is_due ? 1u : 0u);
     if (is_due) {
-        lit_list[due_first() + first] = uint(block.y) * view.march_size.x + uint(block.x);
+        lit_list[room] = ray_of(block);
     }
 }

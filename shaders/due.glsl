@@ -18,9 +18,6 @@ bool is_in_picture(ivec2 block) {
     return block.x < int(view.march_size.x) && block.y < int(view.march_size.y);
 }
 
-uint block_count() {
-    return view.march_size.x * view.march_size.y;
-}
 ivec2 block_at(uint index) {
     return ivec2(index % view.march_size.x, index / view.march_size.x);
 }
@@ -46,7 +43,7 @@ bool due_ray_here(out due_ray ray) {
     ray.places = finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
     if (calm_turns() == 0u && !finer) {
         ray.block = picture_block();
-        ray.place = (uint(ray.block.y) * view.march_size.x + uint(ray.block.x)) * ray.places;
+        ray.place = ray_of(ray.block) * ray.places;
         return is_in_picture(ray.block);
     }
     uint index = listed_index();

@@ -4,7 +4,7 @@
 /* Where views move: lists a ray for each block, and three more for those around which the rays of the frame before have
  * found most that differs. How many may have them is bounded group by group: what a frame costs is too, and which blocks
  * they are does not go by the order in which they are listed. */
-#include "due.glsl"
+#include "due_list.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 
@@ -45,26 +45,16 @@ void main() {
     uint most = uint(here.x * here.y) * uint(VELUM_FINER_NINTHS) / 9u;
     bool finer = contrast > VELUM_FINER_CONTRAST && before_it < most;
 
-    uint rays_before = subgroupExclusiveAdd(is_in ? finer ? 4u : 1u : 0u);
-    uint rays_all = subgroupAdd(is_in ? finer ? 4u : 1u : 0u);
-    uint number = subgroupExclusiveAdd(finer ? 1u : 0u);
-    uint finer_all = subgroupAdd(finer ? 1u : 0u);
-    uint first_ray = 0u;
-    uint first_finer = 0u;
-    if (subgroupElect()) {
-        first_ray = atomicAdd(due_count, rays_all);
-        atomicMax(due_rows, listed_rows(first_ray + rays_all));
-        first_finer = atomicAdd(finer_count, finer_all);
-    }
-    first_ray = subgroupMax(first_ray) + rays_before + due_first();
-    number += subgroupMax(first_finer);
+    uint count = finer ? 4u : is_in ? 1u : 0u;
+    uint room = due_room(count);
+    uint number = finer ? atomicAdd(finer_count, 1u) : 0u;
     if (!is_in) {
         return;
     }
     uint index = ray_of(block);
     rays[index] = uvec2(view.march_size.w, finer ? number + 1u : 0u);
-    for (uint which = 0u; which < (finer ? 4u : 1u); ++which) {
-        lit_list[first_ray + which] = index * 4u + which;
+    for (uint which = 0u; which < count; ++which) {
+        lit_list[room + which] = index * 4u + which;
     }
     if (finer) {
         lit_list[finer_first() + number] = index;

@@ -23,8 +23,8 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
-/* Where cover is rare clouds are small: below so much of it long steps go by its root, down to this share. */
-const float rare_below = 0.3, rare_least = 0.3;
+/* Clouds of rare cover are small: long steps go by its root, down to this share. */
+const float rare_least = 0.3;
 /* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as
  * large in the picture as it is near. */
 const float at_eye_m = 12.0, wider = 0.5;
@@ -135,8 +135,7 @@ void main() {
         float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
-        float long_dt = STUDIED(max(first_dt, min(position * growth, longest)),
-                                min(max(first_dt, position * growth), longest)) * hurry;
+        float long_dt = min(max(first_dt, position * growth), longest) * hurry;
         float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
@@ -231,7 +230,7 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
-        float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_below, 1.0)), rare_least);
+        float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;

@@ -254,7 +254,7 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     found_ray ray = found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r,
                               finer_pixel(block, which));
     if (which != 0u) {
-        uint head = finer_head(view.march_size.x * view.march_size.y, number - 1u, which);
+        uint head = finer_head(block_count(), number - 1u, which);
         ray.light = lit[head];
         ray.distance_m = lit[head + 1u].x;
     }
@@ -277,7 +277,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     if (finer) {
         side = quarter_size();
         last = 2 * last + 1;
-        own = within == finer_turn(finer_which(within / side));
+        own = within == finer_turn(block.y, finer_which(within / side));
         middle = 0.5 * vec2(side - 1);
     }
 
@@ -302,6 +302,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     history_place place;
     place.pixel = vec2(pixel) + 0.5;
     place.known = true;
+
     /* What this frame saw around the pixel. */
     vec4 low = moves ? vec4(1.0e9) : fresh.light;
     vec4 high = fresh.light;

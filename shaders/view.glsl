@@ -51,10 +51,13 @@ layout(set = 1, binding = VELUM_BIND_RAYS, std430) buffer ray_buffer {
 uint ray_of(ivec2 block) {
     return uint(block.y) * view.march_size.x + uint(block.x);
 }
+uint block_count() {
+    return view.march_size.x * view.march_size.y;
+}
 uint ray_tile_of(ivec2 block) {
     uint across = (view.march_size.x + uint(VELUM_TILE_RAYS_W) - 1u) / uint(VELUM_TILE_RAYS_W);
     uint tile = uint(block.y / VELUM_TILE_RAYS_H) * across + uint(block.x / VELUM_TILE_RAYS_W);
-    return view.march_size.x * view.march_size.y + tile;
+    return block_count() + tile;
 }
 
 /* Whether a block has its ray in this frame, once that is known (due.comp). */
@@ -107,8 +110,8 @@ ivec2 ray_pixel(ivec2 block) {
 ivec2 quarter_size() {
     return max(ray_block_size() / 2, ivec2(1));
 }
-ivec2 finer_turn(uint which) {
-    return ray_turn(0) ^ ivec2(which & 1u, which >> 1u) * (ray_block_size() - 1);
+ivec2 finer_turn(int row, uint which) {
+    return ray_turn(row) ^ ivec2(which & 1u, which >> 1u) * (ray_block_size() - 1);
 }
 /* Of the ray of a quarter (0, 0) to (1, 1). */
 uint finer_which(ivec2 quarter) {
@@ -120,8 +123,7 @@ uint finer_number(ivec2 block) {
     return view_flag(VELUM_VIEW_BLOCK_FINER) ? rays[ray_of(block)].y : 0u;
 }
 ivec2 finer_pixel(ivec2 block, uint which) {
-    ivec2 pixel = min(block * ray_block_size() + finer_turn(which), ivec2(view.size.xy) - 1);
-    return which == 0u ? ray_pixel(block) : pixel;
+    return min(block * ray_block_size() + finer_turn(block.y, which), ivec2(view.size.xy) - 1);
 }
 view_ray ray_of_pixel(ivec2 pixel) {
     return view_ray_at(vec2(pixel) + 0.5 + view.scale.yz);

@@ -242,15 +242,15 @@ float fine_noise(int slot, velum_slot_fields f, vec3 r) {
  * bounds (ranks rise faster over a few texels): with longer ways rays pass over towers (test `gpu query`), and storms
  * are striped. */
 const float rank_way = 0.036, storm_way = 0.02, margin_way = 0.01;
-/* Share of it under rare cover, which only peaks of the noise are: between these coverages. */
-const float rare_way = 0.5, rare_from = 0.1, rare_to = 0.3;
+/* Cover below this is rare; share of rank_way under the rarest, which only peaks of the noise are. */
+const float rare_cover = 0.3, rarest_cover = 0.1, rarest_way = 0.5;
 
 /* Along a ray that rises so much a metre, m: over excess that a column lacks, and over a margin below 0. */
 vec2 clear_ways_m(int slot, velum_slot_fields f, velum_profile profile, float rise) {
     float lean = 1.0 + abs(rise) * velum_lean_slope(slot, f) * eye.slots[slot].bounds.z;
     float period_m = 1.0 / (eye.slots[slot].shape_0.w * lean);
     float way = slot == VELUM_SLOT_STORM ? storm_way : rank_way;
-    way *= mix(rare_way, 1.0, clamp((f.coverage - rare_from) / (rare_to - rare_from), 0.0, 1.0));
+    way *= mix(rarest_way, 1.0, clamp((f.coverage - rarest_cover) / (rare_cover - rarest_cover), 0.0, 1.0));
     float rank_m = f.coverage * profile.coverage_scale * way * period_m;
     return vec2(rank_m, min(margin_way * period_m, rank_m));
 }
