@@ -380,7 +380,8 @@ float closed_share(cloud_hit hit) {
 /* What the softness of a column's top leaves of what stands over a place. */
 float soft_share(cloud_hit hit, ways_out ways) {
     float z = hit.height_fraction;
-    float softness = velum_softness(hit.profile, hit.excess, velum_thinned(hit.profile, z));
+    float whole = velum_margin(hit.profile, hit.excess, z, hit.lump, VELUM_FINE_NONE);
+    float softness = velum_softness(hit.profile, hit.excess, whole, velum_thinned(hit.profile, z));
     /* From the top down, in lengths over which the boundary (a smoothstep) grows whole. */
     float lengths = max(ways.reach - z, 0.0) * hit.profile.power * max(hit.excess, 0.0);
     lengths /= max(softness * ways.reach, 1.0e-4);

@@ -71,16 +71,16 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    -0.0218f, 0.9363f, -0.0185f, 0.0336f);
         t = kind;
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        a = velum_calibration_make(1400.0f, 1.3010f, 0.8008f, -0.1302f, -0.4506f, 1.0154f, 4.1047f, -0.0697f, -0.1582f,
-                                   0.3283f, 0.8752f, -0.0286f, 0.0709f);
-        b = velum_calibration_make(1400.0f, 1.3042f, 0.8117f, -0.1432f, -0.5335f, 1.1991f, 4.1965f, -0.0678f, -0.2018f,
-                                   0.4168f, 0.9020f, -0.0365f, 0.0850f);
+        a = velum_calibration_make(1400.0f, 1.3140f, 0.8649f, -0.1420f, -0.5128f, 1.1852f, 4.2961f, -0.0746f, -0.1960f,
+                                   0.4098f, 0.8676f, -0.0362f, 0.0837f);
+        b = velum_calibration_make(1400.0f, 1.3155f, 0.8753f, -0.1564f, -0.6184f, 1.4108f, 4.3933f, -0.0759f, -0.2468f,
+                                   0.5127f, 0.8943f, -0.0424f, 0.0948f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.1751f, 0.6767f, -0.0556f, -0.2075f, 0.4215f, 4.1553f, -0.0584f, -0.0355f,
-                                   0.0684f, 0.9170f, -0.0253f, 0.0474f);
-        b = velum_calibration_make(10600.0f, 1.4994f, 0.9929f, -0.0507f, -0.4826f, 0.4366f, 5.8801f, -0.0805f, -1.1335f,
-                                   0.8670f, 1.0244f, -0.1645f, 0.0798f);
+        a = velum_calibration_make(10600.0f, 1.1377f, 0.5143f, -0.0350f, -0.1210f, 0.2471f, 3.3283f, -0.0332f, -0.0172f,
+                                   0.0333f, 0.9301f, -0.0134f, 0.0255f);
+        b = velum_calibration_make(10600.0f, 1.2587f, 0.5779f, -0.0317f, -0.2439f, 0.2703f, 4.3363f, -0.0730f, -1.0528f,
+                                   0.8380f, 1.0430f, -0.1507f, 0.0542f);
         t = kind;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {
@@ -92,8 +92,8 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
         } else {
             a = velum_calibration_make(4200.0f, 1.0273f, 0.4733f, -0.0020f, -0.6127f, 0.5587f, 1.5750f, -0.0238f,
                                        -0.3926f, 0.1186f, 6.2509f, -0.0115f, 0.0231f);
-            b = velum_calibration_make(500.0f, 1.1582f, 0.6969f, -0.0324f, -0.1007f, 0.2081f, 4.0313f, -0.1825f,
-                                       -0.0340f, 0.0601f, 0.9228f, -0.0140f, 0.0221f);
+            b = velum_calibration_make(500.0f, 1.1587f, 0.6943f, -0.0323f, -0.1004f, 0.2078f, 4.0332f, -0.1817f,
+                                       -0.0387f, 0.0642f, 0.9184f, -0.0189f, 0.0262f);
             t = 2.0f * kind - 1.0f;
         }
     } else {

@@ -23,7 +23,7 @@ VELUM_STRUCT(velum_profile) {
     float power;       /* of z in g: below 1 walls, above 1 domes */
     float amplitude;   /* of the lumps, in e */
     float softness;    /* of the boundary, in e */
-    float rim;         /* how many times softer it is where a column is hardly covered: wisps rather than crumbs */
+    float rim;         /* how many times softer it is where hardly anything is left: wisps rather than crumbs */
     float erosion;     /* of the boundary by fine detail, in e */
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
     float stem;        /* of g below the anvil (VELUM_STEM_FOOT), 0: none */
@@ -115,8 +115,8 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of a storm: for how long the wind has carried its anvil, no farther than so many thicknesses. */
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
-/* Of velum_beside at no cover, a metre that the wind carries an anvil. */
-#define VELUM_ANVIL_COVER_1_M 4.3e-4f
+/* Of velum_beside at no cover, a metre that the wind carries an anvil, 3000 m from its foot. */
+#define VELUM_ANVIL_COVER_1_M 4.84e-4f
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
@@ -138,17 +138,18 @@ VELUM_FN float velum_anvil_m(velum_slot_fields f) {
 }
 
 /* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
- * is, less where there are hardly any, and the farther they are carried the more. Fitted to winds of 10 to 30 m/s. */
+ * is, and a little more a metre the farther they are carried. Fitted to winds of 10 to 30 m/s. */
 VELUM_FN float velum_beside(velum_slot_fields f) {
     float c = f.coverage;
     float over = velum_overcast(c);
-    float clear = (1.0f - c) * (1.0f + 0.45f * c * c * c * c) * (1.0f - over) * (1.0f - 0.3f * over);
+    float clear = (1.0f - c) * (1.0f + c * (1.342f * c - 1.028f)) * (1.0f - over) * (1.0f - 0.3f * over);
     float far_m = velum_anvil_m(f);
-    return VELUM_ANVIL_COVER_1_M * far_m * (0.7f + 0.3f * VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f)) * clear;
+    float share = VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f);
+    return VELUM_ANVIL_COVER_1_M * far_m * (0.92f + 0.08f * share) * velum_mix(1.0f, share, over) * clear;
 }
 /* Its change with coverage at most, over its value at no cover: as an overcast begins; and a metre farther. */
-#define VELUM_BESIDE_SLOPE 2.7f
-#define VELUM_BESIDE_1_M (1.6f * VELUM_ANVIL_COVER_1_M)
+#define VELUM_BESIDE_SLOPE 3.1f
+#define VELUM_BESIDE_1_M (1.2f * VELUM_ANVIL_COVER_1_M)
 
 /* velum_profile.power of towers and of a storm with its anvil; between them it grows by equal factors, so that what it
  * bounds never changes fast. */
@@ -172,10 +173,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         /* Towers, which is all that an overcast of them is; a storm with its anvil. */
         float t = kind * (1.0f - over);
         p = velum_profile_blend(
-            velum_profile_make(0.85f, VELUM_TOWER_POWER, 0.70f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
-            velum_profile_make(0.80f, VELUM_ANVIL_POWER, 0.75f, 0.06f, 0.28f, 0.75f, 0.0f, 0.4f, 150.0f), t);
+            velum_profile_make(0.85f, VELUM_TOWER_POWER, 0.50f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
+            velum_profile_make(0.80f, VELUM_ANVIL_POWER, 0.45f, 0.06f, 0.25f, 1.0f, 0.0f, 0.4f, 150.0f), t);
         p.power = VELUM_TOWER_POWER * VELUM_POW(VELUM_ANVIL_POWER / VELUM_TOWER_POWER, t);
-        p.rim = 5.0f;
+        p.rim = 2.5f;
         p.damp = 0.85f * t;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
@@ -234,7 +235,7 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
     return c > 1.0e-6f ? (rank - 1.0f + c) / c : -1.0f;
 }
 
-/* Excess rank up to which columns are rims. */
+/* Excess rank, and share of what fine detail can carve off, up to which cloud is a rim. */
 #define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions. */
@@ -242,8 +243,8 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_ANVIL_HIGH 1.0f
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
 /* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
-#define VELUM_STEM_FOOT 0.30f
-#define VELUM_STEM_SLOPE 0.35f
+#define VELUM_STEM_FOOT 0.05f
+#define VELUM_STEM_SLOPE 0.75f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
 #define VELUM_ANVIL_SOFTNESS 1.2f
@@ -272,10 +273,13 @@ VELUM_FN float velum_threshold(velum_profile p, float z) {
     return g;
 }
 
+/* Fine detail from which on nothing is carved off. */
+#define VELUM_FINE_NONE 0.8f
+
 /* What lump -1..1 and fine 0..1 carve off the boundary, in e: less at the foot than aloft (0 and 0.5 where the pixel
  * shows neither). */
 VELUM_FN float velum_carve(velum_profile p, float z, float lump, float fine) {
-    float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(0.8f - fine, 0.0f);
+    float carve = p.amplitude * VELUM_MAX(0.6f - lump, 0.0f) + p.erosion * VELUM_MAX(VELUM_FINE_NONE - fine, 0.0f);
     carve = carve * velum_mix(p.foot, 1.0f, velum_smoothstep(0.0f, 0.3f, z));
     return carve * (1.0f - VELUM_ANVIL_SMOOTH * velum_thinned(p, z));
 }
@@ -285,9 +289,11 @@ VELUM_FN float velum_margin(velum_profile p, float e, float z, float lump, float
     return e - velum_threshold(p, z) - velum_carve(p, z, lump, fine);
 }
 
-/* Of the boundary, in e. */
-VELUM_FN float velum_softness(velum_profile p, float e, float thinned) {
-    float rim = velum_mix(p.rim, 1.0f, velum_smoothstep(0.0f, VELUM_RIM, e));
+/* Of the boundary, in e: where a column is hardly covered, and where fine detail leaves but crumbs (`whole`: margin
+ * without what that carves off; sheets, which close, have none), cloud is wisps. */
+VELUM_FN float velum_softness(velum_profile p, float e, float whole, float thinned) {
+    float firm = VELUM_MIN(e, whole / VELUM_MAX(p.erosion, 1.0e-3f) + p.close);
+    float rim = velum_mix(p.rim, 1.0f, velum_smoothstep(0.0f, VELUM_RIM, firm));
     return velum_mix(p.softness * rim, VELUM_ANVIL_SOFTNESS, thinned);
 }
 
@@ -309,7 +315,7 @@ VELUM_FN float velum_body_over(velum_profile p, float e, float z, float height_o
                                float spread) {
     float f = velum_margin(p, e, z, lump, fine);
     float thinned = velum_thinned(p, z);
-    float softness = velum_softness(p, e, thinned);
+    float softness = velum_softness(p, e, velum_margin(p, e, z, lump, VELUM_FINE_NONE), thinned);
     float inside = velum_smoothstep(-spread, softness + spread, f);
     float water = velum_water(p, z);
     float foot = velum_smoothstep(0.0f, p.base_soft_m, height_over_base_m);

@@ -53,8 +53,10 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
             at[axis] = 1.0e5f * velum_hash_unit(velum_hash_2(i, axis));
         }
         float e = velum_excess(p, coverage, 1.0f - sky * ((float)i + 0.5f) / COLUMNS);
-        float carved = velum_carve(p, 1.0f, core_cloud_lump(&cloud, &fields, at), core_cloud_fine(&cloud, &fields, at));
-        left[i] = e - carved - 0.06f * velum_softness(p, e, velum_thinned(p, 1.0f));
+        float lump = core_cloud_lump(&cloud, &fields, at);
+        float carved = velum_carve(p, 1.0f, lump, core_cloud_fine(&cloud, &fields, at));
+        float fine_carved = carved - velum_carve(p, 1.0f, lump, VELUM_FINE_NONE);
+        left[i] = e - carved - 0.06f * velum_softness(p, e, fine_carved, velum_thinned(p, 1.0f));
     }
     qsort(left, COLUMNS, sizeof left[0], compare);
     int cut = (int)((float)COLUMNS * CUT_SHARE * coverage / sky);

@@ -144,25 +144,40 @@ static void extinction_is_only_between_base_and_top(void **state) {
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
 }
 
-/* Wisps where a column is hardly covered, crisp hearts; ice as soft as it is thin; sheets alike everywhere. */
+/* Wisps where a column is hardly covered and where fine detail leaves crumbs, crisp hearts; ice as soft as it is thin;
+ * rolls alike everywhere. */
 static void rims_are_softer_than_hearts(void **state) {
     (void)state;
     velum_slot_fields f = {
         .coverage = 0.5f, .base_m = 1000.0f, .top_m = 2400.0f, .extinction_1_m = 0.05f, .kind = 0.5f};
     const velum_profile heap = velum_profile_of(VELUM_SLOT_CUMULUS, f);
     assert_true(heap.rim > 1.0f);
-    assert_float_equal(velum_softness(heap, 0.0f, 0.0f), heap.rim * heap.softness, 1e-6);
-    assert_float_equal(velum_softness(heap, 1.0f, 0.0f), heap.softness, 1e-6);
-    assert_float_equal(velum_softness(heap, 0.2f, 1.0f), VELUM_ANVIL_SOFTNESS, 1e-6);
-    float before = INFINITY;
+    assert_float_equal(velum_softness(heap, 0.0f, 1.0f, 0.0f), heap.rim * heap.softness, 1e-6);
+    assert_float_equal(velum_softness(heap, 1.0f, 0.0f, 0.0f), heap.rim * heap.softness, 1e-6);
+    assert_float_equal(velum_softness(heap, 1.0f, 1.0f, 0.0f), heap.softness, 1e-6);
+    assert_float_equal(velum_softness(heap, 0.2f, 0.2f, 1.0f), VELUM_ANVIL_SOFTNESS, 1e-6);
+    float thinner = INFINITY;
+    float smaller = INFINITY;
     for (int i = 0; i <= 100; i++) {
-        float now = velum_softness(heap, 0.01f * (float)i, 0.0f);
-        assert_true(now <= before);
-        before = now;
+        const float x = 0.01f * (float)i;
+        assert_true(velum_softness(heap, x, 1.0f, 0.0f) <= thinner);
+        assert_true(velum_softness(heap, 1.0f, x, 0.0f) <= smaller);
+        thinner = velum_softness(heap, x, 1.0f, 0.0f);
+        smaller = velum_softness(heap, 1.0f, x, 0.0f);
     }
+    /* A crumb (nothing is left at the mean of fine detail) and a flank of the same margin. */
+    const float lump = 0.6f;
+    const float z = 0.5f;
+    const float at_rim = 0.02f + velum_threshold(heap, z);
+    const float at_flank = at_rim + velum_carve(heap, z, lump, 0.5f) + 0.1f;
+    const float flank_fine = VELUM_FINE_NONE - 0.3f - 0.1f / heap.erosion;
+    assert_float_equal(velum_margin(heap, at_rim, z, lump, VELUM_FINE_NONE),
+                       velum_margin(heap, at_flank, z, lump, flank_fine), 1e-5);
+    assert_true(velum_body(heap, at_rim, z, 700.0f, lump, VELUM_FINE_NONE) <
+                0.25f * velum_body(heap, at_flank, z, 700.0f, lump, flank_fine));
     f.kind = 1.0f;
     const velum_profile rolls = velum_profile_of(VELUM_SLOT_LOW, f);
-    assert_float_equal(velum_softness(rolls, 0.0f, 0.0f), velum_softness(rolls, 1.0f, 0.0f), 1e-6);
+    assert_float_equal(velum_softness(rolls, 0.0f, 0.0f, 0.0f), velum_softness(rolls, 1.0f, 1.0f, 0.0f), 1e-6);
 }
 
 static void extinction_stays_finite_and_positive(void **state) {
