@@ -79,5 +79,5 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     level_lx *= fmin(1, pow(5 * cloud_transmittance(cover), 0.8));
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
-    return level_lx > 0 ? 1 / (0.088 * level_lx) : 1;
+    return level_lx > 0 ? pi / level_lx : 1;
 }

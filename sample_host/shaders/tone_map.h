@@ -1,4 +1,5 @@
-/* From scene-linear Rec. 709 (exposed: 0.18 is middle grey) to sRGB code values, compiled as C and as GLSL.
+/* From scene-linear Rec. 709 (exposed: 1 is a white surface that faces the sun) to sRGB code values, compiled as C and
+ * as GLSL.
  *
  * AgX (T. Sobotka 2022), with the polynomial for its default contrast and the matrices of B. Wrensch, "Minimal AgX
  * Implementation" (2023). */
@@ -26,9 +27,10 @@ TONE_FUNCTION float tone_srgb(float linear) {
     return x <= 0.0031308f ? 12.92f * x : 1.055f * TONE_POW(x, 1.0f / 2.4f) - 0.055f;
 }
 
-/* Log encoding over 16.5 stops, then the contrast curve. */
+/* Log encoding, then the contrast curve. Of the 16.5 stops of AgX those that a sky has: cloud is the white of this
+ * picture, and what tells its shapes is the stop beneath. */
 TONE_FUNCTION float tone_curve(float linear) {
-    const float lowest_ev = -12.47393f, highest_ev = 4.026069f;
+    const float lowest_ev = -10.0f, highest_ev = 1.5f;
     float ev = TONE_MIN(TONE_MAX(TONE_LOG2(TONE_MAX(linear, 1e-10f)), lowest_ev), highest_ev);
     float x = (ev - lowest_ev) / (highest_ev - lowest_ev);
     float x2 = x * x;
@@ -45,7 +47,7 @@ TONE_FUNCTION float tone_look(float value, float luma, float saturation) {
 
 /* The code value (0..1) of one channel, 0 red, 1 green, 2 blue. */
 TONE_FUNCTION float tone_map(float red, float green, float blue, int channel) {
-    const float power = 1.32f, saturation = 1.25f;
+    const float power = 1.12f, saturation = 1.15f;
     float r = TONE_MAX(red, 0.0f), g = TONE_MAX(green, 0.0f), b = TONE_MAX(blue, 0.0f);
     float u = TONE_POW(tone_curve(0.842479062f * r + 0.0784335999f * g + 0.0792237451f * b), power);
     float v = TONE_POW(tone_curve(0.0423282422f * r + 0.878468637f * g + 0.0791661275f * b), power);

@@ -98,7 +98,7 @@ double picture_exposure(const picture *p) {
         at = (double)sorted[(uint32_t)(0.98 * (p->count - 1))];
     }
     free(sorted);
-    return at > 0.0 && isfinite(at) ? 3.0 / at : 1.0; /* tone_map() brings 3 near white */
+    return at > 0.0 && isfinite(at) ? 1.0 / at : 1.0;
 }
 
 static uint8_t byte_of(double value) {

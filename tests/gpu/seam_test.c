@@ -61,7 +61,7 @@ static void render_pair(fixture *f, int32_t quality, uint32_t frames, channel *t
 
 /* One exposure for both, about what sample_host/daylight.c takes for this sun: a sunlit cloud stands near the top. */
 static void tone(const float rgb[3], float out[3]) {
-    const float exposure_m2_cd = 1.0f / (0.088f * 104000.0f);
+    const float exposure_m2_cd = 3.14159265f / 104000.0f;
     for (int c = 0; c < 3; c++) {
         out[c] = 255.0f * tone_map(rgb[0] * exposure_m2_cd, rgb[1] * exposure_m2_cd, rgb[2] * exposure_m2_cd, c);
     }

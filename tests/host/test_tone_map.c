@@ -54,17 +54,28 @@ static void hostile_light_stays_in_range(void **state) {
     }
 }
 
+static float code_of(float grey) {
+    return 255 * tone_map(grey, grey, grey, 1);
+}
+
+static void sunlit_cloud_is_white_and_has_shapes(void **state) {
+    (void)state;
+    assert_true(code_of(1) > 220 && code_of(1) < 245);
+    assert_true(code_of(1) - code_of(0.5f) > 25);
+    assert_true(code_of(0.5f) - code_of(0.25f) > 25);
+    assert_true(code_of(2) - code_of(1) > 8); /* about the sun too */
+}
+
 static void middle_grey_is_in_the_middle(void **state) {
     (void)state;
-    float code = tone_map(0.18f, 0.18f, 0.18f, 1);
-    assert_true(code > 0.35f && code < 0.5f);
+    assert_true(code_of(0.18f) > 110 && code_of(0.18f) < 150);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(srgb_meets_the_standard),      cmocka_unit_test(grey_stays_grey),
         cmocka_unit_test(brighter_is_never_darker),     cmocka_unit_test(hostile_light_stays_in_range),
-        cmocka_unit_test(middle_grey_is_in_the_middle),
+        cmocka_unit_test(middle_grey_is_in_the_middle), cmocka_unit_test(sunlit_cloud_is_white_and_has_shapes),
     };
     return cmocka_run_group_tests_name("tone map", tests, NULL, NULL);
 }
