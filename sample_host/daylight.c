@@ -72,11 +72,15 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     static const struct cloud_cover none = {0, 0};
     struct daylight light;
     daylight_compute(sun_sine, illuminance_lx, atmosphere, &none, &light);
-    /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. */
-    double level_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
-    /* Thin or broken cloud is as bright as anything in the sky; under a fifth of the light the eye follows, not all the
+    /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. Under
+     * broken cloud and a low sun little of what is seen does: its light comes through several gaps or none. */
+    double open = 1 - fmin(fmax(cover->coverage, 0), 1);
+    double gaps = fmin(1 / fmax(sun_sine, 0.01), 6) - 2;
+    double lit = pow(fmax(open, 0.1), 0.5 * fmax(gaps, 0));
+    double level_lx = luminance_of(light.sun_lx) * lit + 3 * luminance_of(light.sky_lx);
+    /* Thin or broken cloud is as bright as anything in the sky; under a third of the light the eye follows, not all the
      * way, so that overcast stays duller than sunshine. */
-    level_lx *= fmin(1, pow(5 * cloud_transmittance(cover), 0.8));
+    level_lx *= fmin(1, pow(3 * cloud_transmittance(cover), 0.9));
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
     return level_lx > 0 ? pi / level_lx : 1;

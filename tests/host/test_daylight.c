@@ -62,12 +62,29 @@ static void exposure_is_finite_and_follows_the_sun(void **state) {
     assert_true(isfinite(daylight_exposure(0.5, sun_lx, true, &absurd)));
 }
 
+static void the_eye_opens_where_little_is_lit(void **state) {
+    (void)state;
+    const struct cloud_cover broken = {0.5, 10}, overcast = {1, 40}, deep = {1, 200};
+    const double low = 0.05, high = 0.6;
+    assert_true(daylight_exposure(low, sun_lx, true, &broken) > 1.3 * daylight_exposure(low, sun_lx, true, &clear));
+    assert_float_equal(daylight_exposure(high, sun_lx, true, &broken), daylight_exposure(high, sun_lx, true, &clear),
+                       0);
+    assert_true(daylight_exposure(high, sun_lx, true, &overcast) < 3 * daylight_exposure(high, sun_lx, true, &clear));
+    /* Not all the way: what is darker looks darker. */
+    struct daylight light, darker;
+    daylight_compute(high, sun_lx, true, &overcast, &light);
+    daylight_compute(high, sun_lx, true, &deep, &darker);
+    assert_true((double)darker.sky_lx[1] * daylight_exposure(high, sun_lx, true, &deep) <
+                (double)light.sky_lx[1] * daylight_exposure(high, sun_lx, true, &overcast));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clear_noon_is_as_bright_as_measured),
         cmocka_unit_test(overcast_takes_light_away),
         cmocka_unit_test(no_air_means_no_sky),
         cmocka_unit_test(exposure_is_finite_and_follows_the_sun),
+        cmocka_unit_test(the_eye_opens_where_little_is_lit),
     };
     return cmocka_run_group_tests_name("daylight", tests, NULL, NULL);
 }
