@@ -75,12 +75,16 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. Under
      * broken cloud and a low sun little of what is seen does: its light comes through several gaps or none. */
     double open = 1 - fmin(fmax(cover->coverage, 0), 1);
-    double gaps = fmin(1 / fmax(sun_sine, 0.01), 6) - 2;
-    double lit = pow(fmax(open, 0.1), 0.5 * fmax(gaps, 0));
+    double more_gaps = fmin(fmax(1 / fmax(sun_sine, 0.01) - 2, 0), 4);
+    double lit = pow(fmax(open, 0.1), 0.5 * more_gaps);
+    double clear_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
     double level_lx = luminance_of(light.sun_lx) * lit + 3 * luminance_of(light.sky_lx);
-    /* Thin or broken cloud is as bright as anything in the sky; under a third of the light the eye follows, not all the
-     * way, so that overcast stays duller than sunshine. */
-    level_lx *= fmin(1, pow(3 * cloud_transmittance(cover), 0.9));
+    /* Thin or broken cloud is as bright as anything in the sky; under a third of the light the eye follows. It never
+     * makes up for all that is lost along the way: overcast stays duller than sunshine, and cloud beneath the eye
+     * takes none. */
+    const struct cloud_cover slant = {1 - pow(open, 1 + more_gaps), cover->optical_depth};
+    double followed = fmin(1, pow(3 * cloud_transmittance(cover), 0.9));
+    level_lx = fmax(level_lx * followed, clear_lx * pow(cloud_transmittance(&slant), 0.9));
     /* A floor at deep twilight: night stays night. */
     level_lx = fmax(level_lx, 1e-5 * luminance_of(illuminance_lx));
     return level_lx > 0 ? pi / level_lx : 1;

@@ -62,20 +62,42 @@ static void exposure_is_finite_and_follows_the_sun(void **state) {
     assert_true(isfinite(daylight_exposure(0.5, sun_lx, true, &absurd)));
 }
 
+/* Level white ground under an overcast, or clear. */
+static double white_of(double sine, const struct cloud_cover *cover) {
+    struct daylight light;
+    daylight_compute(sine, sun_lx, true, cover, &light);
+    double lx = cover->coverage > 0 ? (double)light.sky_lx[1] : level_lx(sine, cover);
+    return lx * daylight_exposure(sine, sun_lx, true, cover);
+}
+
 static void the_eye_opens_where_little_is_lit(void **state) {
     (void)state;
-    const struct cloud_cover broken = {0.5, 10}, overcast = {1, 40}, deep = {1, 200};
-    const double low = 0.05, high = 0.6;
-    assert_true(daylight_exposure(low, sun_lx, true, &broken) > 1.3 * daylight_exposure(low, sun_lx, true, &clear));
-    assert_float_equal(daylight_exposure(high, sun_lx, true, &broken), daylight_exposure(high, sun_lx, true, &clear),
-                       0);
-    assert_true(daylight_exposure(high, sun_lx, true, &overcast) < 3 * daylight_exposure(high, sun_lx, true, &clear));
-    /* Not all the way: what is darker looks darker. */
-    struct daylight light, darker;
-    daylight_compute(high, sun_lx, true, &overcast, &light);
-    daylight_compute(high, sun_lx, true, &deep, &darker);
-    assert_true((double)darker.sky_lx[1] * daylight_exposure(high, sun_lx, true, &deep) <
-                (double)light.sky_lx[1] * daylight_exposure(high, sun_lx, true, &overcast));
+    const struct cloud_cover broken = {0.5, 10};
+    assert_true(daylight_exposure(0.05, sun_lx, true, &broken) > 1.3 * daylight_exposure(0.05, sun_lx, true, &clear));
+    assert_float_equal(daylight_exposure(0.6, sun_lx, true, &broken), daylight_exposure(0.6, sun_lx, true, &clear), 0);
+}
+
+static void what_is_darker_looks_darker(void **state) {
+    (void)state;
+    const struct cloud_cover covers[] = {{0, 0}, {1, 10}, {1, 40}, {1, 200}};
+    const double sines[] = {0.05, 0.17, 0.6, 1};
+    for (size_t i = 0; i < 4; i++) {
+        for (size_t k = 1; k < 4; k++) {
+            assert_true(white_of(sines[i], &covers[k]) < white_of(sines[i], &covers[k - 1]));
+        }
+        assert_true(white_of(sines[i], &covers[3]) < 0.8 * white_of(sines[i], &covers[0]));
+    }
+}
+
+/* Of all layers the coverage is known, the optical depth of those over the eye. */
+static void cloud_beneath_and_veils_change_nothing(void **state) {
+    (void)state;
+    const struct cloud_cover beneath = {1, 0}, veil = {1, 0.05};
+    for (double sine = 0.02; sine < 1; sine += 0.02) {
+        const double exposure = daylight_exposure(sine, sun_lx, true, &clear);
+        assert_float_equal(daylight_exposure(sine, sun_lx, true, &beneath), exposure, 1e-9 * exposure);
+        assert_float_equal(daylight_exposure(sine, sun_lx, true, &veil), exposure, 0.01 * exposure);
+    }
 }
 
 int main(void) {
@@ -85,6 +107,8 @@ int main(void) {
         cmocka_unit_test(no_air_means_no_sky),
         cmocka_unit_test(exposure_is_finite_and_follows_the_sun),
         cmocka_unit_test(the_eye_opens_where_little_is_lit),
+        cmocka_unit_test(what_is_darker_looks_darker),
+        cmocka_unit_test(cloud_beneath_and_veils_change_nothing),
     };
     return cmocka_run_group_tests_name("daylight", tests, NULL, NULL);
 }
