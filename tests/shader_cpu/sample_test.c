@@ -165,19 +165,48 @@ static void rims_are_softer_than_hearts(void **state) {
         thinner = velum_softness(heap, x, 1.0f, 0.0f);
         smaller = velum_softness(heap, 1.0f, x, 0.0f);
     }
-    /* A crumb (nothing is left at the mean of fine detail) and a flank of the same margin. */
-    const float lump = 0.6f;
+    /* A crumb, which all finer detail would take, and a flank that detail has carved: of one column and one margin. */
+    const float e = 0.9f;
     const float z = 0.5f;
-    const float at_rim = 0.02f + velum_threshold(heap, z);
-    const float at_flank = at_rim + velum_carve(heap, z, lump, 0.5f) + 0.1f;
-    const float flank_fine = VELUM_FINE_NONE - 0.3f - 0.1f / heap.erosion;
-    assert_float_equal(velum_margin(heap, at_rim, z, lump, VELUM_FINE_NONE),
-                       velum_margin(heap, at_flank, z, lump, flank_fine), 1e-5);
-    assert_true(velum_body(heap, at_rim, z, 700.0f, lump, VELUM_FINE_NONE) <
-                0.25f * velum_body(heap, at_flank, z, 700.0f, lump, flank_fine));
+    const float margin = 0.02f;
+    const float crumb_lump = 0.6f - (e - velum_threshold(heap, z) - margin) / heap.amplitude;
+    const float flank_lump = crumb_lump + 0.22f / heap.amplitude;
+    const float flank_fine = VELUM_FINE_NONE - 0.22f / heap.erosion;
+    assert_float_equal(velum_margin(heap, e, z, crumb_lump, VELUM_FINE_NONE), margin, 1e-5);
+    assert_float_equal(velum_margin(heap, e, z, flank_lump, flank_fine), margin, 1e-5);
+    assert_true(velum_body(heap, e, z, 700.0f, crumb_lump, VELUM_FINE_NONE) <
+                0.25f * velum_body(heap, e, z, 700.0f, flank_lump, flank_fine));
     f.kind = 1.0f;
     const velum_profile rolls = velum_profile_of(VELUM_SLOT_LOW, f);
     assert_float_equal(velum_softness(rolls, 0.0f, 0.0f, 0.0f), velum_softness(rolls, 1.0f, 1.0f, 0.0f), 1e-6);
+}
+
+/* Tiles and the reference skip by these bounds. */
+static void anvils_cover_no_faster_than_their_bounds(void **state) {
+    (void)state;
+    const float step = 1.0e-3f;
+    double slope = 0.0;
+    double metre = 0.0;
+    for (float wind_m_s = 1.0f; wind_m_s <= 120.0f; wind_m_s += 1.0f) {
+        velum_slot_fields f = {.base_m = 500.0f, .top_m = 26000.0f, .kind = 1.0f, .wind_x_m_s = wind_m_s};
+        velum_slot_fields farther = f;
+        farther.wind_x_m_s += 0.01f;
+        const double none = (double)velum_beside(f);
+        const double far_m = (double)velum_anvil_m(f);
+        const double more_m = (double)velum_anvil_m(farther) - far_m;
+        for (f.coverage = 0.0f; f.coverage <= 1.0f - step; f.coverage += step) {
+            velum_slot_fields more = f;
+            more.coverage += step;
+            farther.coverage = f.coverage;
+            assert_true(velum_beside(f) >= 0.0f && (double)velum_beside(f) <= none);
+            slope = fmax(slope, fabs((double)velum_beside(more) - (double)velum_beside(f)) / ((double)step * none));
+            if (more_m > 0.1) {
+                metre = fmax(metre, ((double)velum_beside(farther) - (double)velum_beside(f)) / more_m);
+            }
+        }
+    }
+    assert_true(slope <= (double)VELUM_BESIDE_SLOPE && slope > 0.9 * (double)VELUM_BESIDE_SLOPE);
+    assert_true(metre <= (double)VELUM_BESIDE_1_M && metre > 0.9 * (double)VELUM_BESIDE_1_M);
 }
 
 static void extinction_stays_finite_and_positive(void **state) {
@@ -207,6 +236,7 @@ int main(void) {
         cmocka_unit_test(texels_give_back_fields),
         cmocka_unit_test(extinction_is_only_between_base_and_top),
         cmocka_unit_test(rims_are_softer_than_hearts),
+        cmocka_unit_test(anvils_cover_no_faster_than_their_bounds),
         cmocka_unit_test(extinction_stays_finite_and_positive),
     };
     return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
