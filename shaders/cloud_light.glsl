@@ -257,18 +257,18 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share). With
  * light alike all round it shines alike. Fitted to the reference over the scenes of
  * tests/accuracy. */
-const float turns = 0.058; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float turns = 0.055; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.29; /* of the lit face, over that along the sun */
-const float dark_share = 0.775; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.746;
+const float dark_share = 0.815; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
+const float deep_share = 0.758;
 const float below_share = 1.284; /* of the base among the ways out */
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.584, lump_low = 0.34;
+const float lump_face = 0.593, lump_low = 0.34;
 const float deck_face = 0.399, deck_tilt = 0.253;
 /* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
  */
-const float wall_share = 0.684, walls_seen = 0.918;
+const float wall_share = 0.733, walls_seen = 0.918;
 /* The first of storms, whose walls are the most that they are, and less in a field of anvils... */
 const float storm_share = 0.92, storm_field = 0.21;
 const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
@@ -284,7 +284,7 @@ const float limb = 2.55, falls = 1.84;
 const float onward = 0.127;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float flank_share = 0.226; /* of the noise's period: from hem to heart of what light crosses */
-const float onset = 0.128; /* of light that has turned, by the depth of all of the cloud */
+const float onset = 0.135; /* of light that has turned, by the depth of all of the cloud */
 const float widened_share = 0.572, widened_loss = 0.097;
 
 struct ways_out {

@@ -138,7 +138,8 @@ VELUM_FN float velum_anvil_m(velum_slot_fields f) {
 }
 
 /* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
- * is, and a little more a metre the farther they are carried. Fitted to winds of 10 to 30 m/s. */
+ * is, and a little more a metre the farther they are carried; what an overcast leaves is reached by far ones only.
+ * Fitted to winds of 10 to 30 m/s. */
 VELUM_FN float velum_beside(velum_slot_fields f) {
     float c = f.coverage;
     float over = velum_overcast(c);
@@ -147,7 +148,7 @@ VELUM_FN float velum_beside(velum_slot_fields f) {
     float share = VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f);
     return VELUM_ANVIL_COVER_1_M * far_m * (0.92f + 0.08f * share) * velum_mix(1.0f, share, over) * clear;
 }
-/* Its change with coverage at most, over its value at no cover: as an overcast begins; and a metre farther. */
+/* Its change with coverage at most, over its value at no cover: near by, as an overcast begins; and a metre farther. */
 #define VELUM_BESIDE_SLOPE 3.1f
 #define VELUM_BESIDE_1_M (1.2f * VELUM_ANVIL_COVER_1_M)
 
@@ -235,7 +236,7 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
     return c > 1.0e-6f ? (rank - 1.0f + c) / c : -1.0f;
 }
 
-/* Excess rank, and share of what fine detail can carve off, up to which cloud is a rim. */
+/* Excess rank, and margin over `erosion` before fine detail carves, up to which cloud is a rim. */
 #define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions. */

@@ -58,7 +58,7 @@ VELUM_STRUCT(velum_page_bounds) {
 /* Effective coverage of a storm, over a change of its height by all of its thickness. */
 #define VELUM_FADE_BEND 0.8f
 /* Of a storm's margin, over a change of coverage with what else does (VELUM_FADE_OTHERS): as its towers turn to anvils
- * their threshold and what is carved off them change by 2.1 at most; they do by the square of fullness, coverage over
+ * their threshold and what is carved off them change by less than 2.1; they do by the square of fullness, coverage over
  * that in the storm's middle, taken as 0.3 at least, and as an overcast opens. */
 #define VELUM_STORM_EDGE (2.1f / 0.3f)
 
