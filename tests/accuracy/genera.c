@@ -197,12 +197,12 @@ int genera_run(program *p) {
     if (ok) {
         fprintf(page,
                 "# Ten genera\n\nMade by\n\n    velum-accuracy genera DIR --size %ux%u --seconds %g --error %g --paths "
-                "%g%s\n\nEach "
-                "sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to bottom; from "
-                "below, within and above the layer from left to right; of each pair left preset high, right the "
-                "reference, at the same exposure, of pixels %u times as wide. Figures, of the preset at the "
-                "reference's size: error of means over 8 x 8 pixels, bias of the whole picture (noise of the "
-                "reference's means over 8 x 8, which is subtracted).\n",
+                "%g%s\n\nEach sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to "
+                "bottom; from below, within and above the layer from left to right; of each pair left preset high, "
+                "right the reference, at the same exposure, of pixels %u times as wide, smoothed by a Gaussian "
+                "(standard deviation: one of its pixels), for each is mostly noise. Figures, of the preset at the "
+                "reference's size and of what is not smoothed: error of means over 8 x 8 pixels, bias of the whole "
+                "picture (noise of the reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.error, p->reference.paths,
                 p->reference.cached ? " --cached" : "", hours[0].elevation_deg, hours[1].elevation_deg,
                 hours[2].elevation_deg, enlarged(p));

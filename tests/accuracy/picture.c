@@ -72,12 +72,30 @@ uint32_t picture_invalid(const picture *p) {
 }
 
 bool picture_enlarge(const picture *from, uint32_t times, picture *out) {
+    const int reach = 3;
     if (!picture_init(out, from->width * times, from->height * times)) {
         return false;
     }
     for (uint32_t i = 0; i < out->count; i++) {
-        const uint32_t source = i / out->width / times * from->width + i % out->width / times;
-        memcpy(&out->rgb[3 * i], &from->rgb[3 * source], 3 * sizeof *out->rgb);
+        const double x = ((double)(i % out->width) + 0.5) / times - 0.5,
+                     y = ((double)(i / out->width) + 0.5) / times - 0.5;
+        double sum[3] = {0.0, 0.0, 0.0}, weights = 0.0;
+        for (int row = (int)lround(y) - reach; row <= (int)lround(y) + reach; row++) {
+            for (int column = (int)lround(x) - reach; column <= (int)lround(x) + reach; column++) {
+                if (row < 0 || column < 0 || row >= (int)from->height || column >= (int)from->width) {
+                    continue;
+                }
+                const double weight = exp(-0.5 * ((x - column) * (x - column) + (y - row) * (y - row)));
+                const float *rgb = &from->rgb[3 * ((uint32_t)row * from->width + (uint32_t)column)];
+                for (int c = 0; c < 3; c++) {
+                    sum[c] += isfinite(rgb[c]) ? weight * (double)rgb[c] : 0.0;
+                }
+                weights += weight;
+            }
+        }
+        for (uint32_t c = 0; c < 3; c++) {
+            out->rgb[3 * i + c] = (float)(sum[c] / weights);
+        }
     }
     picture_update_luminance(out);
     return true;

@@ -23,7 +23,8 @@ void picture_merge(picture *into, double paths, const picture *other, double mor
 /* Pixels (of rgb, transmittance, distance) that are NaN, infinite or negative, or whose transmittance exceeds 1. */
 uint32_t picture_invalid(const picture *p);
 
-/* The colours of each pixel, so many times as wide. False, having said so: out of memory. */
+/* So many times as wide, smoothed by a Gaussian whose standard deviation is one of its pixels: to be looked at, where
+ * pixels are noise. False, having said so: out of memory. */
 bool picture_enlarge(const picture *from, uint32_t times, picture *out);
 
 /* 1 over about the luminance of what is brightest, 98th percentile. */

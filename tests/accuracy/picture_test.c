@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -41,7 +42,39 @@ static void parts_make_the_whole(void **state) {
     picture_finish(&second);
 }
 
+/* What is even stays even to the edges, a lone pixel spreads alike to all sides, and light that is not a number is
+ * none. */
+static void what_is_enlarged_is_smoothed_evenly(void **state) {
+    (void)state;
+    picture from, to;
+    assert_true(picture_init(&from, 15, 15));
+    for (uint32_t i = 0; i < 3 * from.count; i++) {
+        from.rgb[i] = 2.0f;
+    }
+    assert_true(picture_enlarge(&from, 3, &to));
+    assert_int_equal(to.width, 45);
+    assert_int_equal(to.height, 45);
+    for (uint32_t i = 0; i < to.count; i++) {
+        assert_float_equal(to.luminance[i], 2.0, 1e-5);
+    }
+    picture_finish(&to);
+    memset(from.rgb, 0, 3 * from.count * sizeof *from.rgb);
+    from.rgb[3 * (7 * 15 + 7)] = 1.0f;
+    from.rgb[0] = NAN;
+    assert_true(picture_enlarge(&from, 3, &to));
+    const uint32_t middle = 22 * 45 + 22;
+    for (uint32_t away = 0; away < 9; away++) {
+        assert_float_equal(to.rgb[3 * (middle + away)], to.rgb[3 * (middle - away)], 1e-7);
+        assert_float_equal(to.rgb[3 * (middle + away)], to.rgb[3 * (middle + 45 * away)], 1e-7);
+    }
+    assert_float_equal(to.rgb[3 * middle], 1.0 / (2.0 * 3.14159265), 2e-3); /* the peak of a Gaussian in the plane */
+    assert_float_equal(to.rgb[3 * (middle + 3)], exp(-0.5) / (2.0 * 3.14159265), 2e-3);
+    picture_finish(&to);
+    picture_finish(&from);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(parts_make_the_whole)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(parts_make_the_whole),
+                                       cmocka_unit_test(what_is_enlarged_is_smoothed_evenly)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
