@@ -36,6 +36,10 @@ static double clear_sky_share(double elevation_deg) {
     return table[COUNT - 1][1];
 }
 
+static double open_sky(const struct cloud_cover *cover) {
+    return 1 - fmin(fmax(cover->coverage, 0), 1);
+}
+
 /* Two streams, no absorption, asymmetry 0.85 (C. F. Bohren 1987, "Multiple scattering of light and some of its
  * observable consequences"). */
 static double cloud_transmittance(const struct cloud_cover *cover) {
@@ -55,7 +59,7 @@ void daylight_compute(double sun_sine, const float illuminance_lx[3], bool atmos
     double elevation = degrees_of_sine(sun_sine);
     double mass = air_mass(elevation);
     double through = cloud_transmittance(cover);
-    double open = 1 - fmin(fmax(cover->coverage, 0), 1);
+    double open = open_sky(cover);
     double level = fmax(sun_sine, 0);
     for (int i = 0; i < 3; i++) {
         double top = (double)illuminance_lx[i];
@@ -74,7 +78,7 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     daylight_compute(sun_sine, illuminance_lx, atmosphere, &none, &light);
     /* What faces the sun is what must not burn out, however low the sun stands; at twilight the sky takes over. Under
      * broken cloud and a low sun little of what is seen does: its light comes through several gaps or none. */
-    double open = 1 - fmin(fmax(cover->coverage, 0), 1);
+    double open = open_sky(cover);
     double more_gaps = fmin(fmax(1 / fmax(sun_sine, 0.01) - 2, 0), 4);
     double lit = pow(fmax(open, 0.1), 0.5 * more_gaps);
     double clear_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
