@@ -42,6 +42,9 @@ const float stays = 2e-3;
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float shown = 0.75;
+/* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
+ * beside them, whatever that is. */
+const float shut = 0.01;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
  * none; nor on where history has moved to where all stands; nor on rays where history is kept in place: gather.comp has put
@@ -264,6 +267,11 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
 /* What history has is lost, or was never there. */
 const vec4 lost = vec4(1.0e4);
 
+/* Cloud so far away, what the host has drawn. */
+bool hides(vec4 light, float distance_m, float end_m) {
+    return light.a < shut && alike_ratio * distance_m < end_m;
+}
+
 /* `hit_m`: the host's surface; below 0: none. */
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 side = ray_block_size();
@@ -318,7 +326,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         float weight = share.x * share.y;
         bool fit = true;
         if (has_depth) {
-            fit = alike(end_of(host_distance(there.pixel, ray)), end_m);
+            fit = hides(light, distance_m, end_m) || alike(end_of(host_distance(there.pixel, ray)), end_m);
             weight = max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
         }
         mixed += weight * light;
@@ -389,9 +397,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     ivec2 old_pixel = ivec2(place.pixel);
     for (int k = !own && old.samples < 0.5 ? 0 : 9; k < 9; ++k) {
         ivec2 there = clamp(old_pixel + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(size) - 1);
-        float has = texelFetch(history_data_in, there, 0).g;
-        float seen = abs(has) < 0.5 || (has_depth && (has < 0.0) != (hit_m >= 0.0)) ? 0.0 : 1.0;
-        beside += seen * texelFetch(history_in, there, 0);
+        vec2 data = texelFetch(history_data_in, there, 0).rg;
+        vec4 light = texelFetch(history_in, there, 0);
+        bool fit = !has_depth || (data.y < 0.0) == (hit_m >= 0.0) ||
+                   (data.y >= 0.0 && hides(light, distance_in(data.x, 1.0 - light.a) * distance_unit_m, end_m));
+        float seen = abs(data.y) >= 0.5 && fit ? 1.0 : 0.0;
+        beside += seen * light;
         rays_beside += seen;
     }
     old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
@@ -451,7 +462,7 @@ void main() {
     } else {
         cloud = resolve_cloud(pixel, ray, hit);
         uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);
-        history_store(pixel, cloud, host, moves, chance);
+        history_store(pixel, cloud, host && cloud.light.a >= shut, moves, chance);
     }
 
     float ground = ground_distance(ray.origin, ray.direction);

@@ -155,6 +155,43 @@ static void depth_parts_what_is_before_from_what_is_behind(void **state) {
     }
 }
 
+/* Of a flight under a closed deck, the last frame's light; the host draws something 20 km away in so many columns. */
+static void fly_under_deck(int columns, float light[PIXELS * 3]) {
+    static float depth_m[PIXELS];
+    static rig r;
+    velum_layer deck = fixture_cumulus();
+    deck.genus = VELUM_GENUS_SC;
+    deck.coverage = 1.0f;
+    rig_init(&r, &deck);
+    r.depth_m = depth_m;
+    for (int i = 0; i < PIXELS; i++) {
+        depth_m[i] = i % W < columns ? 20000.0f : 0.0f;
+    }
+    for (int frame = 0; frame < 24; frame++) {
+        draw(&r, (double)deck.base_m - 500.0 + 4.0 * frame, 0.8, steady, frame == 0 ? VELUM_VIEW_CUT : 0);
+        r.time_s += FRAME_S;
+    }
+    for (int i = 0; i < PIXELS; i++) {
+        assert_true(r.through[3 * i] < 0.01f);
+    }
+    memcpy(light, r.light, sizeof r.light);
+    rig_finish(&r);
+}
+
+/* What the host draws far behind closed cloud leaves no line in it, however the eye moves. */
+static void closed_cloud_hides_depth_behind_it(void **state) {
+    (void)state;
+    static float with[PIXELS * 3], without[PIXELS * 3];
+    fly_under_deck(W / 2 - 2, with);
+    fly_under_deck(0, without);
+    double most = 0.0;
+    for (int i = 0; i < PIXELS * 3; i++) {
+        most = fmax(most, fabs((double)with[i] / (double)without[i] - 1.0));
+    }
+    print_message("far depth behind a deck: light differs by %.5f at most\n", most);
+    assert_true(most <= 1e-3);
+}
+
 static uint32_t rays_of(const rig *r) {
     velum_view_stats stats = {.struct_size = sizeof stats};
     assert_int_equal(r->f.engine_api->get_stats(r->view, &stats), VELUM_OK);
@@ -398,6 +435,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
                                        cmocka_unit_test(depth_parts_what_is_before_from_what_is_behind),
+                                       cmocka_unit_test(closed_cloud_hides_depth_behind_it),
                                        cmocka_unit_test(views_that_stand_have_fewer_rays),
                                        cmocka_unit_test(blocks_of_moving_views_have_more_rays_where_rays_differ),
                                        cmocka_unit_test(views_of_any_size_stand),
