@@ -2,7 +2,7 @@
 #ifndef VELUM_CLOUD_LIGHT_GLSL
 #define VELUM_CLOUD_LIGHT_GLSL
 
-#include "air.glsl"
+#include "air_light.glsl"
 #include "fringe.glsl"
 #include "scattering.glsl"
 #include "shared/shade.h"
@@ -156,7 +156,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     }
 }
 
-/* The way to the sun within a layer, and how far of it sun_depth looks. */
+/* The way to the sun within a layer, and how far of it sun_way_of looks. */
 float sun_way_m(velum_slot_fields f, float height_m, float mu_sun) {
     return (f.top_m - height_m) / max(mu_sun, 0.06);
 }
@@ -171,24 +171,31 @@ float across_cloud_m(int slot) {
     return VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
 }
 
-/* Of the sun's light, what other layers leave, and the layer's own clouds farther off, on the mean: but not of a closed
- * sheet (`closed`), whose table knows all of it. `ahead`: coverage far on sun_depth's way. */
-float sun_share(cloud_hit hit, float mu_sun, float closed, float ahead) {
-    float share = 1.0;
+/* Of the sun's light: what other layers leave, beam and flux as one; and of that, on the mean, the beam that passes the
+ * layer's own clouds farther off, and the flux that they let through otherwise. `ahead`: coverage far on the way. */
+struct sun_left {
+    float others, open, turned;
+};
+
+sun_left sun_left_at(cloud_hit hit, float mu_sun, float ahead) {
+    sun_left left = sun_left(1.0, 1.0, 0.0);
     for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
+        bool own = slot == hit.slot;
         velum_slot_fields f = hit.fields;
         float seen_m = max(sun_reach_m(hit.slot, f, hit.height_m, mu_sun), 1.0);
-        if (slot != hit.slot) {
+        if (!own) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
         } else if (slot == VELUM_SLOT_STORM) {
             f.coverage = ahead;
         }
         velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
-        share *= mix(light.open + light.through, 1.0, slot == hit.slot ? closed : 0.0);
+        left.others *= own ? 1.0 : light.open + light.through;
+        left.open = own ? light.open : left.open;
+        left.turned = own ? light.through : left.turned;
     }
-    return share;
+    return left;
 }
 
 /* Half of what a column's rank changes by over a step of a period, on the mean. */
@@ -197,10 +204,16 @@ const float step_spread = 1.0;
 /* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
 const float face_m = 1000.0;
 
-/* Optical depth of a slot's cloud from r towards the sun: few steps, each longer than the one before; of the fields
- * coverage is that of the way, the others are those of r. And how the margin falls on the way, in e a metre, whatever
- * the fine detail; and coverage in the last step. */
-vec3 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
+struct sun_way {
+    float depth;    /* optical, of the slot's cloud */
+    float coverage; /* in the last step */
+    /* How the margin falls, in e a metre, whatever the fine detail: as far as face_m, and over the first step. */
+    float falls_1_m, falls_near_1_m;
+};
+
+/* The way from a place towards the sun: few steps, each longer than the one before; of the fields coverage is that of the
+ * way, the others are those of the place. */
+sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
     float ahead = sun_reach_m(hit.slot, f, hit.height_m, mu_sun);
@@ -212,31 +225,33 @@ vec3 sun_depth(cloud_hit hit, float mu_sun, int steps, float start) {
     vec2 rate = face_rate(hit.tile, hit.normal, eye.sun.xyz) *
                 (float(VELUM_TILE_TEXELS) / (float(VELUM_TILE_SIDE) * hit.tile.side_m));
     float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
-    float depth = 0.0;
+    sun_way way = sun_way(0.0, f.coverage, 0.0, 0.0);
     float done = 0.0;
-    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
-    float falls_1_m = 0.0;
-    float coverage = f.coverage;
+    float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
+    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, own_lump, 0.5);
     for (int i = 0; i < steps; ++i) {
         float t = done + dt * (i == 0 ? start : 0.5);
         float h = hit.height_m + t * mu_sun;
         vec3 p = hit.r + eye.sun.xyz * t;
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
-        coverage = slot_coverage(hit.tile, hit.slot, hit.tile.uv + rate * t);
-        float e = velum_excess(hit.profile, coverage, column_rank(hit.slot, f, p, hit.normal, h));
+        way.coverage = slot_coverage(hit.tile, hit.slot, hit.tile.uv + rate * t);
+        float e = velum_excess(hit.profile, way.coverage, column_rank(hit.slot, f, p, hit.normal, h));
         float lump = 0.0;
         if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
         }
         float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
                                      STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * dt);
-        depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
+        way.depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
         float there = velum_margin(hit.profile, e, z, lump, 0.5);
-        falls_1_m = i == 0 || t < face_m ? (here - there) / max(t, 1.0) : falls_1_m;
+        float falls_1_m = (here - there) / max(t, 1.0);
+        way.falls_1_m = i == 0 || t < face_m ? falls_1_m : way.falls_1_m;
+        way.falls_near_1_m = i == 0 ? falls_1_m : way.falls_near_1_m;
         done += dt;
         dt *= ratio;
     }
-    return vec3(depth * f.extinction_1_m, falls_1_m, coverage);
+    way.depth *= f.extinction_1_m;
+    return way;
 }
 
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
@@ -257,35 +272,40 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share). With
  * light alike all round it shines alike. Fitted to the reference over the scenes of
  * tests/accuracy. */
-const float turns = 0.055; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_depth = 1.29; /* of the lit face, over that along the sun */
-const float dark_share = 0.815; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.758;
-const float below_share = 1.284; /* of the base among the ways out */
+const float turns = 0.0477; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_depth = 1.19; /* of the lit face, over that along the sun */
+const float dark_share = 0.836; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
+const float deep_share = 0.735;
+const float below_share = 1.38; /* of the base among the ways out */
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.593, lump_low = 0.34;
-const float deck_face = 0.399, deck_tilt = 0.253;
-/* Of what a lit wall sends to its neighbours, and of what flanks see where cloud covers all; the rest is sky and ground.
- */
-const float wall_share = 0.733, walls_seen = 0.918;
-/* The first of storms, whose walls are the most that they are, and less in a field of anvils... */
-const float storm_share = 0.92, storm_field = 0.21;
-const float storm_walls = 0.2, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
+const float lump_face = 0.561, lump_low = 0.326;
+const float deck_face = 0.395, deck_tilt = 0.248;
+/* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
+const float near_face = 0.25, near_share = 0.0365;
+/* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
+const float wall_share = 0.8;
+/* Of storms, whose walls are the most that they are, and less in a field of anvils... */
+const float storm_share = 0.91, storm_field = 0.24;
+const float storm_walls = 0.26, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
+/* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
+ * their flanks, which a low sun meets straight. */
+const float field_share = 3.0;
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
-const float storm_turned = 0.72, storm_meets = 0.55;
-const float storm_graze = 0.05; /* cosine at which a low sun meets what does not face it, at least */
-const float sky_aside = 1.0;    /* the way of the sky's light between storms, m a metre down */
+const float storm_turned = 0.72, storm_meets = 0.51;
+const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
+const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
+const float sky_aside = 0.52;   /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
-const float limb = 2.55, falls = 1.84;
+const float limb = 2.15, falls = 1.7;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
-const float onward = 0.127;
+const float onward = 0.179;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-const float flank_share = 0.226; /* of the noise's period: from hem to heart of what light crosses */
-const float onset = 0.135; /* of light that has turned, by the depth of all of the cloud */
-const float widened_share = 0.572, widened_loss = 0.097;
+const float flank_share = 0.104; /* of the noise's period: from hem to heart of what light crosses */
+const float onset = 0.0865; /* of light that has turned, by the depth of all of the cloud */
+const float widened_share = 0.587, widened_loss = 0.087;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -304,12 +324,14 @@ ways_out ways_out_of(cloud_hit hit) {
     ways.reach = reach;
     ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - water_below, 0.0);
     ways.down = inner * thickness * water_below;
-    ways.flank = inner * max(hit.margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
+    /* Of the shape without its lumps: crests stand before it, in the light, crevices lie behind. */
+    float margin = velum_margin(hit.profile, hit.excess, hit.height_fraction, 0.4 * hit.lump, 0.5);
+    ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
 
-/* Towers stand so deep that low between them there is little sky; the rest is their walls, as far as the sun comes down
- * to them. */
+/* Towers stand so deep that low between them their walls are seen; these shine by the sun as far as it comes down to them,
+ * and otherwise as the sky that they hide. */
 vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
     velum_slot_fields f = hit.fields;
     float over_m = max(f.top_m - hit.height_m, 0.0);
@@ -318,12 +340,12 @@ vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
     float sun_aside_m = over_m * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) / max(mu_sun, 0.02);
     float seen = velum_free_lines(f.coverage, down, sky_aside * over_m, cloud_m);
     float lit = velum_free_lines(f.coverage, down, sun_aside_m, cloud_m);
-    return mix(wall * lit, sky, seen);
+    return sky + wall * (lit * (1.0 - seen));
 }
 
-/* Per unit of scattering; `depth` and `falls_1_m`: towards the sun, of sun_depth. */
-vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, float mu_sun, float depth,
-                   float falls_1_m) {
+/* Per unit of scattering. `sun`: the beam; `field`: luminance of the layer's clouds farther off, by the sun. */
+vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, vec3 field, float mu_sun, sun_way way) {
+    float depth = way.depth;
     float whole = ways.up + ways.down + depth;
     /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
     whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
@@ -346,9 +368,14 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
     float deep = even;
-    if (storm && !is_fringe(hit)) {
+    if (!storm && !is_fringe(hit)) {
+        float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
+        float near = slope * inversesqrt(1.0 + slope * slope) * lit * (1.0 - over);
+        float met = clamp(face + near_face * near, 0.0, 1.0);
+        deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met);
+    } else if (storm && !is_fringe(hit)) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
-        float straight = falls_1_m * flank_share / eye.slots[hit.slot].shape_0.w;
+        float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(straight, 0.0) * inversesqrt(1.0 + straight * straight);
         float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));
         deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met) * (storm_turned + storm_meets * meets);
@@ -363,9 +390,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, fl
     if (storm) {
         above = between_storms(hit, above, of_storm * even * sun, mu_sun);
     }
-    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls)
-                        : walls_seen * hit.fields.coverage;
-    vec3 beside = mix(0.5 * (above + below), (storm ? of_storm : wall_share) * even * sun, walls);
+    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls) : hit.fields.coverage;
+    vec3 open = 0.5 * (above + below) + field;
+    above += field;
+    vec3 beside = open + walls * (storm ? of_storm : wall_share) * even * sun;
     return sun * (first + widened + deep * diffuse) +
            (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
 }
@@ -410,7 +438,7 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     float wide = velum_phase_draine(phases.cos_sun, lobes.g_second, lobes.alpha_second);
     velum_slab_span span = slab_span(hit);
     velum_slab_light light = slab_light(hit, span, mu_sun);
-    /* Beyond what sun_depth has seen, the sheet goes on as it was. */
+    /* Beyond what sun_way_of has seen, the sheet goes on as it was. */
     depth *= max(sun_way_m(f, hit.height_m, mu_sun) / max(sun_reach_m(hit.slot, f, hit.height_m, mu_sun), 1.0), 1.0);
     light.direct = uniform_layer ? light.direct : exp(-(1.0 - straight) * depth);
     float inside = f.extinction_1_m * span.inside_m;
@@ -449,14 +477,15 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
-    vec3 towards = sun_depth(hit, mu_sun, steps, start);
-    vec3 sun =
-        eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * sun_share(hit, mu_sun, closed, towards.z);
-    float depth = STUDIED(study_sun_depth(hit.r, towards.x), towards.x);
+    sun_way way = sun_way_of(hit, mu_sun, steps, start);
+    sun_left left = sun_left_at(hit, mu_sun, way.coverage);
+    vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * left.others;
+    vec3 field = sun * (max(mu_sun, 0.0) / PI * field_share * left.turned);
+    way.depth = STUDIED(study_sun_depth(hit.r, way.depth), way.depth);
     ways_out ways = ways_out_of(hit);
-    vec3 source = uneven_source(hit, phases, ways, sun, mu_sun, depth, towards.y);
+    vec3 source = uneven_source(hit, phases, ways, sun * left.open, field, mu_sun, way);
     if (velum_closes && closed > 0.0) {
-        vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, depth, place_m);
+        vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, way.depth, place_m);
         source = uniform_layer ? tabled : mix(source, tabled, closed);
     }
 #ifdef VELUM_STUDY
@@ -465,13 +494,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
         float g = eye.slots[hit.slot].optics.y;
         bool ice = hit.slot == VELUM_SLOT_HIGH;
         study_light theirs;
-        theirs.sun = sun;
-        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m, false);
+        theirs.sun = sun * left.open;
+        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m, false) + field;
         theirs.below = uniform_layer ? vec3(0.0) : ambient_under(f.base_m, false);
         theirs.cos_sun = phases.cos_sun;
         theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;
         theirs.first = uniform_layer ? velum_phase_hg(phases.cos_sun, g) : ice ? phases.ice : phases.water;
-        theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : depth;
+        theirs.depth = uniform_layer ? f.extinction_1_m * max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 1e-3) : way.depth;
         theirs.depth_above = min(ways.up, ways.flank);
         theirs.depth_below = min(ways.down, ways.flank);
         source = study_octave_source(theirs) * (uniform_layer ? eye.slots[hit.slot].optics.x : 1.0);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* Each ray: the light of its places, behind the air before them. Where history is kept, it gets it here. */
-#include "air.glsl"
+#include "air_light.glsl"
 #include "due.glsl"
 #include "history.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;

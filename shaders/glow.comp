@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 /* All orders of scattering in air beyond the first, as an isotropic luminance per unit sun (Hillaire 2020, eq. 5-10),
  * over a sphere: first rows without a ground's light, second with what a white one adds. Once. */
-#include "air.glsl"
+#include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
 

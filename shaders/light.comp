@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 /* Light of the places that the march has listed. */
-#include "air.glsl"
+#include "air_light.glsl"
 #include "weather.glsl"
 #include "cloud_light.glsl"
 #include "due.glsl"

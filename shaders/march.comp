@@ -3,7 +3,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 /* One ray for each block of pixels, or four (finer.comp): transmittance of cloud, its mean distance, and the places of it
  * that get light (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
-#include "air.glsl"
+#include "air_light.glsl"
 #include "due.glsl"
 #include "weather.glsl"
 #include "study.glsl"

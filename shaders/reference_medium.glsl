@@ -311,7 +311,7 @@ air_matter air_at(float h) {
     return m;
 }
 
-/* Phase functions as march.comp and air.glsl have them in first order. */
+/* Phase functions as cloud_light.glsl and air_light.glsl have them in first order. */
 velum_phase_lobes medium_phase(int medium) {
     float g = medium == medium_aerosol ? VELUM_AEROSOL_G
               : medium == medium_haze  ? haze_g

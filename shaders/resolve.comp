@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* Every pixel: this frame's rays where there is one, moved history elsewhere; then sky, air and ground around it. */
-#include "air.glsl"
+#include "air_light.glsl"
 #include "shared/hash.h"
 #include "history.glsl"
 #include "lit.glsl"

@@ -3,7 +3,7 @@
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last columns,
  * two alike: optical depth of that way. Last row: mean luminance of the half world above (texels 0..31) and below
  * (32..63), at the levels of shared/shade.h; then the same of even halves of as much flux (64..127). */
-#include "air.glsl"
+#include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
 
@@ -29,13 +29,18 @@ float air_distance(vec3 o, vec3 d, bool to_ground, out float start) {
     return max(end - start, 0.0);
 }
 
-/* What a level white face sends that is lit by the sun, and by sun and clear sky. */
+/* What a level white face sends that is lit by the sun. */
 vec3 sunlit_luminance(float height_m, float mu_sun) {
     return eye.sun_lx.rgb * (max(mu_sun, 0.0) / PI) * sun_through_air(height_m, mu_sun);
 }
-vec3 daylit_luminance(float height_m, float mu_sun) {
-    vec3 gain = eye.ground.w != 0.0 ? sky_gain_at(height_m, mu_sun) : vec3(1.0);
-    return sunlit_luminance(height_m, mu_sun) * gain;
+/* By sun and sky, under clouds. */
+vec3 daylit_luminance(float height_m, float mu_sun, vec4 shade) {
+    vec3 by_sun = sunlit_luminance(height_m, mu_sun) * (shade.x + shade.y);
+    if (eye.ground.w == 0.0) {
+        return by_sun;
+    }
+    vec3 of_sky = (sky_gain_at(height_m, mu_sun) - 1.0) * sky_under(shade, mu_sun);
+    return by_sun + eye.sun_lx.rgb * (max(mu_sun, 0.0) / PI) * sun_through_clean_air(height_m, mu_sun) * of_sky;
 }
 
 /* What a world below sends, in light that goes to and fro between it and the air. */
@@ -47,8 +52,11 @@ vec3 sent_up(float height_m, vec3 albedo) {
 vec3 ground_luminance(float mu_sun) {
     vec4 shade = shade_at(0.0);
     float fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
-    vec3 flux = eye.ground.w != 0.0 ? flux_on_ground(mu_sun) : vec3(max(mu_sun, 0.0));
-    return eye.sun_lx.rgb * flux / PI * (shade.x + shade.y) * fog * sent_up(0.0, eye.ground.rgb);
+    vec3 flux = vec3(max(mu_sun, 0.0) * (shade.x + shade.y));
+    if (eye.ground.w != 0.0) {
+        flux = flux_on_ground(mu_sun) * daylight_under(shade, 0.0, mu_sun);
+    }
+    return eye.sun_lx.rgb * flux / PI * fog * sent_up(0.0, eye.ground.rgb);
 }
 
 vec3 ambient(int index) {
@@ -66,7 +74,7 @@ vec3 ambient(int index) {
     vec3 from_above = sunlit_luminance(height_m, mu_sun) * here.y;
     /* The clouds below stand about half way to the ground. */
     float cloud_m = 0.5 * height_m;
-    vec3 from_cloud = daylit_luminance(cloud_m, mu_sun) * (here.x + here.y) * sent_up(cloud_m, vec3(here.z));
+    vec3 from_cloud = daylit_luminance(cloud_m, mu_sun, here) * sent_up(cloud_m, vec3(here.z));
     vec3 sum = vec3(0.0);
     const int count = 16;
     for (int k = 0; k < count; ++k) {

@@ -3,7 +3,9 @@
 #ifndef VELUM_ARGUMENTS_H
 #define VELUM_ARGUMENTS_H
 
-#include "shade.h"
+#include "slots.h"
+
+#define VELUM_SHADE_LEVELS 32 /* see shade.h */
 
 #ifdef VULKAN
 #define VELUM_VEC4(name) vec4 name

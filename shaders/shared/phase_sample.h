@@ -4,6 +4,7 @@
 #ifndef VELUM_PHASE_SAMPLE_H
 #define VELUM_PHASE_SAMPLE_H
 
+#include "air.h"
 #include "phase.h"
 
 /* Two lobes, the second a Draine function: all phase functions in use are of this form. */
@@ -21,6 +22,10 @@ VELUM_FN velum_phase_lobes velum_phase_lobes_make(float g_first, float g_second,
     p.alpha_second = alpha_second;
     p.weight_second = weight_second;
     return p;
+}
+
+VELUM_FN velum_phase_lobes velum_phase_lobes_fog(void) {
+    return velum_phase_lobes_make(VELUM_FOG_G, 0.0f, 0.0f, VELUM_FOG_EVEN);
 }
 
 /* As velum_phase_cloud. */

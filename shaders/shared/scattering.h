@@ -120,10 +120,6 @@ VELUM_FN float velum_scattering_peak(velum_phase_lobes p) {
 #define VELUM_SCATTERING_ICE_PEAK 0.145994768f
 #define VELUM_SCATTERING_ICE_REST 0.707261741f
 
-VELUM_FN velum_phase_lobes velum_phase_lobes_fog(void) {
-    return velum_phase_lobes_make(VELUM_FOG_G, 0.0f, 0.0f, VELUM_FOG_EVEN);
-}
-
 /* Henyey and Greenstein's function for sunlight that has gone straight on `straight` times on the mean before, which
  * the peak takes for nothing: who has done so k times scatters by the function's own k + 1st convolution, which is
  * Henyey and Greenstein's again, of g^(k + 1) (Riley et al. 2004), or by what the peak leaves. */

@@ -3,6 +3,7 @@
 #define VELUM_SHADE_H
 
 #include "air.h"
+#include "arguments.h"
 #include "slots.h"
 
 /* Share of the extinction that takes light off its way: delta scaling (Joseph et al. 1976), mean cosine 0.86. */
@@ -63,7 +64,6 @@ VELUM_FN float velum_shade_albedo(float reflected, float ground, float mean) {
 /* By height: x, the share of the sun's beam that passes between the clouds above; y, of its flux that comes through
  * them and aside of them; z, the reflectance of the clouds below; w, the share of the sky's flux that passes the clouds
  * above. Levels at heights VELUM_SHADE_TOP_M (i / last)^2. */
-#define VELUM_SHADE_LEVELS 32
 #define VELUM_SHADE_TOP_M 20000.0f
 VELUM_FN float velum_shade_level_of(float height_m) {
     return VELUM_SQRT(velum_clamp(height_m / VELUM_SHADE_TOP_M, 0.0f, 1.0f)) * VELUM_TO_FLOAT(VELUM_SHADE_LEVELS - 1);
