@@ -304,6 +304,8 @@ const float limb = 2.15, falls = 1.7;
 const float onward = 0.179;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float flank_share = 0.104; /* of the noise's period: from hem to heart of what light crosses */
+/* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
+const float flank_lumps = 0.4;
 const float onset = 0.0865; /* of light that has turned, by the depth of all of the cloud */
 const float widened_share = 0.587, widened_loss = 0.087;
 
@@ -324,8 +326,7 @@ ways_out ways_out_of(cloud_hit hit) {
     ways.reach = reach;
     ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - water_below, 0.0);
     ways.down = inner * thickness * water_below;
-    /* Of the shape without its lumps: crests stand before it, in the light, crevices lie behind. */
-    float margin = velum_margin(hit.profile, hit.excess, hit.height_fraction, 0.4 * hit.lump, 0.5);
+    float margin = velum_margin(hit.profile, hit.excess, hit.height_fraction, flank_lumps * hit.lump, 0.5);
     ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
