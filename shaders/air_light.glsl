@@ -64,7 +64,7 @@ vec3 sun_through_clean_air(float height_m, float mu) {
     return air_to_space(height_m, max(mu, velum_horizon_mu(height_m))) * sun_over_horizon(height_m, mu);
 }
 vec3 sun_through_air(float height_m, float mu) {
-    return sun_through_clean_air(height_m, mu) * (eye.ground.w == 0.0 ? 1.0 : sun_through_haze(height_m, mu));
+    return sun_through_clean_air(height_m, mu) * sun_through_haze(height_m, mu);
 }
 
 /* Depth of haze from a height to space; a way below the horizontal passes its lowest point. */
@@ -186,17 +186,13 @@ vec3 sky_gain_at(float height_m, float mu_sun) {
     return vec3(velum_sky_gain(depth.r, slant), velum_sky_gain(depth.g, slant), velum_sky_gain(depth.b, slant));
 }
 
-/* Of that flux, what the clouds over the face leave: of the sun's, and of the sky's. */
-vec3 daylight_under(vec4 shade, float height_m, float mu_sun) {
-    return mix(sky_under(shade, mu_sun), vec3(shade.x + shade.y), 1.0 / sky_gain_at(height_m, mu_sun));
-}
-
-/* Flux of sun and clear sky, through haze, on level black ground, per unit sun. */
-vec3 flux_on_ground(float mu_sun) {
+/* Flux of sun and sky, through haze, on level black ground, per unit sun; of either's, what clouds leave. */
+vec3 flux_on_ground(float mu_sun, float sun_share, vec3 sky_share) {
     float haze_mu = 1.0 / velum_slant(haze_scale_m, 0.0, mu_sun);
     float through = velum_flux_under(haze_depth_over(eye.span.z), haze_turned_g, haze_mu);
     float level = max(mu_sun, 0.0);
-    return air_to_space(0.0, level) * sky_gain_at(0.0, mu_sun) * (level * through);
+    vec3 gain = sun_share + (sky_gain_at(0.0, mu_sun) - 1.0) * sky_share;
+    return air_to_space(0.0, level) * gain * (level * through);
 }
 
 /* All that a world below sends up, over what it is sent from above: air sends some of it back again. */
@@ -267,19 +263,19 @@ fog_light fog_light_at(float above, float below, float mu_sun, float cos_sun, fl
  * reference; of molecules that shine alike at all heights it would be 0.52, 0.61 and 0.74, (1 - 2 E3) / (1 - E2). */
 const float fog_sky = 0.81;
 
-/* Of haze under clouds, per unit of its scattering: the sun's light that it has turned before, of a sun whose light
- * without it were `clean`, and what the ground sends, both on their way to an eye whose ray rises so. Light comes to the eye against its
- * ray: upward rays see what goes down. Where haze is thin, its light stands at the horizon: its mean, E2 of the depth,
+/* Of haze, per unit of its scattering: the sun's light that it has turned before, of a sun whose light without it were
+ * `clean`, and what the ground sends that gets `flux`, both on their way to an eye whose ray rises so. Light comes
+ * to the eye against its ray: upward rays see what goes down. Where haze is thin, its light stands at the horizon: its mean, E2 of the depth,
  * is more than Eddington's; the constant is fitted to the reference. */
-vec3 haze_diffuse(float height_m, vec3 clean, vec4 shade, float mu_sun, float rise, vec3 albedo) {
+vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float rise, vec3 albedo) {
     float above = haze_depth_over(height_m);
     float below = max(haze_depth_over(eye.span.z) - above, 0.0);
     float mu = 1.0 / velum_slant(haze_scale_m, height_m, mu_sun);
     velum_diffuse sun = velum_diffuse_in(above, below, haze_turned_g, mu, 0.0);
     velum_diffuse ground = velum_diffuse_from_below(above, below, haze_turned_g);
-    vec3 sent = albedo_under_air(albedo, 0.0) * flux_on_ground(mu_sun) * daylight_under(shade, 0.0, mu_sun) / PI;
+    vec3 sent = albedo_under_air(albedo, 0.0) * flux / PI;
     float thin = max(1.0 - 0.5 * log(max(above + below, 1e-6)), 1.0);
-    return (shade.x + shade.y) * clean * max(sun.mean * thin + haze_seen_g * rise * sun.flux, 0.0) +
+    return clean * max(sun.mean * thin + haze_seen_g * rise * sun.flux, 0.0) +
            sent * (ground.mean + haze_seen_g * rise * ground.flux);
 }
 
@@ -293,7 +289,10 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec4 shade = shade_at(height_m);
     float beam = shade.x;
     vec3 albedo = albedo_below(shade);
-    vec3 sun = sun_through_air(height_m, mu_sun);
+    float daylight = shade.x + shade.y;
+    vec3 sky = sky_under(shade, mu_sun);
+    vec3 clean = sun_through_clean_air(height_m, mu_sun);
+    vec3 sun = clean * sun_through_haze(height_m, mu_sun);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
     float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
     vec3 of_sky = rayleigh + aerosol;
@@ -301,8 +300,8 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec3 source = sun * beam * single;
     const float least_1_m = 1e-10;
     if (haze > least_1_m) {
-        vec3 clean = sun_through_clean_air(height_m, mu_sun);
-        vec3 others = haze_diffuse(height_m, clean, shade, mu_sun, rise, albedo);
+        vec3 flux = flux_on_ground(mu_sun, daylight, sky);
+        vec3 others = haze_diffuse(height_m, daylight * clean, flux, mu_sun, rise, albedo);
         source += haze * sun * beam * velum_phase_hg(cos_sun, haze_g);
         source += (1.0 - haze_ahead) * haze * others;
     }
@@ -328,11 +327,10 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     source += of_cloud * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
-        vec3 sky = sky_under(shade, mu_sun);
         source += sky * (of_sky * glow.sky + of_ground * glow.ground);
         if (fog > 0.0) {
             /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
-            source += sky * of_back * max(glow.ground - flux_on_ground(mu_sun) / (2.0 * PI), vec3(0.0));
+            source += sky * of_back * max(glow.ground - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
         }
     }
     return source;

@@ -344,6 +344,11 @@ vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
     return sky + wall * (lit * (1.0 - seen));
 }
 
+/* Deep under a face that the sun meets at this cosine: Eddington's half-space. */
+float deep_under(float face) {
+    return deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
+}
+
 /* Per unit of scattering. `sun`: the beam; `field`: luminance of the layer's clouds farther off, by the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, vec3 field, float mu_sun, sun_way way) {
     float depth = way.depth;
@@ -361,25 +366,24 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
-    /* Deep under a face that the sun meets at this cosine: Eddington's half-space. Lumps have faces turned to any sun. */
+    /* Lumps have faces turned to any sun. */
     float of_storm = storm_share - storm_field * hit.profile.damp;
     float wall = storm ? of_storm * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
-    float even = deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
+    float even = deep_under(face);
     float deep = even;
     if (!storm && !is_fringe(hit)) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = slope * inversesqrt(1.0 + slope * slope) * lit * (1.0 - over);
-        float met = clamp(face + near_face * near, 0.0, 1.0);
-        deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met);
+        deep = deep_under(clamp(face + near_face * near, 0.0, 1.0));
     } else if (storm && !is_fringe(hit)) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(straight, 0.0) * inversesqrt(1.0 + straight * straight);
         float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));
-        deep = deep_share * VELUM_INV_4PI * met * (2.0 + 3.0 * met) * (storm_turned + storm_meets * meets);
+        deep = deep_under(met) * (storm_turned + storm_meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
     float turned = 1.0 - exp(-onset * whole);
@@ -495,8 +499,8 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
         float g = eye.slots[hit.slot].optics.y;
         bool ice = hit.slot == VELUM_SLOT_HIGH;
         study_light theirs;
-        theirs.sun = sun * left.open;
-        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m, false) + field;
+        theirs.sun = sun * mix(left.open, 1.0, closed);
+        theirs.above = uniform_layer ? vec3(0.0) : ambient_over(f.top_m, false) + field * (1.0 - closed);
         theirs.below = uniform_layer ? vec3(0.0) : ambient_under(f.base_m, false);
         theirs.cos_sun = phases.cos_sun;
         theirs.g = uniform_layer ? g : ice ? study_g_ice : study_g_water;

@@ -54,7 +54,7 @@ vec3 ground_luminance(float mu_sun) {
     float fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
     vec3 flux = vec3(max(mu_sun, 0.0) * (shade.x + shade.y));
     if (eye.ground.w != 0.0) {
-        flux = flux_on_ground(mu_sun) * daylight_under(shade, 0.0, mu_sun);
+        flux = flux_on_ground(mu_sun, shade.x + shade.y, sky_under(shade, mu_sun));
     }
     return eye.sun_lx.rgb * flux / PI * fog * sent_up(0.0, eye.ground.rgb);
 }
