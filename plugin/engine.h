@@ -381,6 +381,8 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
 void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *context);
 tiles_context record_tiles_context(engine *e, uint32_t *budget, VkBufferCopy *copies, uint32_t copy_capacity);
 void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height);
+/* The same with so many layers: segments.glsl. */
+void record_layers(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height, uint32_t layers);
 
 /* noise_volumes.c: the first frame's uploads. */
 bool noise_volumes_init(engine *e);

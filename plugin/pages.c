@@ -5,6 +5,8 @@
 
 #include "core/tile_bounds.h"
 
+_Static_assert(PAGES_MAX % VELUM_PAGES_A_LAYER == 0, "layers are full");
+
 void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
     VkDeviceSize start = (s->used + 63u) & ~(VkDeviceSize)63u;
     if (start > s->buffer.size || s->buffer.size - start < size) {
@@ -17,8 +19,7 @@ void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
 
 bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes) {
     *p = (pages){0};
-    uint32_t layers = g->properties.limits.maxImageArrayLayers;
-    p->capacity = layers < PAGES_MAX ? layers : PAGES_MAX;
+    p->capacity = PAGES_MAX;
     p->copy_capacity = (uint32_t)(stage_bytes / (2 * CORE_TILE_PAGE_BYTES)) + 1;
     p->page = calloc(p->capacity, sizeof *p->page);
     p->names = calloc(PAGES_NAMES, sizeof *p->names);
@@ -28,8 +29,8 @@ bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes) {
     const gpu_image_desc desc = {.format = VK_FORMAT_R16G16B16A16_UNORM,
                                  .type = VK_IMAGE_TYPE_2D,
                                  .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
-                                 .extent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1},
-                                 .layers = p->capacity,
+                                 .extent = {VELUM_TILE_SIDE * VELUM_PAGE_COLUMNS, VELUM_TILE_SIDE * VELUM_PAGE_ROWS, 1},
+                                 .layers = PAGES_MAX / VELUM_PAGES_A_LAYER,
                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     if (!p->page || !p->names || !p->buckets || !p->copies_a || !p->copies_b) {
         g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
@@ -130,10 +131,13 @@ static void evict(pages *p, uint32_t index) {
     }
 }
 
-static VkBufferImageCopy copy_of(VkDeviceSize offset, uint32_t layer) {
-    return (VkBufferImageCopy){.bufferOffset = offset,
-                               .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1},
-                               .imageExtent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1}};
+static VkBufferImageCopy copy_of(VkDeviceSize offset, uint32_t index) {
+    const uint32_t column = index % VELUM_PAGE_COLUMNS, row = index / VELUM_PAGE_COLUMNS % VELUM_PAGE_ROWS;
+    return (VkBufferImageCopy){
+        .bufferOffset = offset,
+        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, index / VELUM_PAGES_A_LAYER, 1},
+        .imageOffset = {(int32_t)(column * VELUM_TILE_SIDE), (int32_t)(row * VELUM_TILE_SIDE), 0},
+        .imageExtent = {VELUM_TILE_SIDE, VELUM_TILE_SIDE, 1}};
 }
 
 bool pages_want_bounds(pages *p, gpu *g) {

@@ -166,11 +166,11 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes, ground, depth, moves, keeps;
+    VkBool32 air, closes, ground, depth, moves, keeps, segmented;
 } variant;
 
 /* The first of its variants. */
@@ -216,13 +216,17 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[9] = {
-        {0, offsetof(variant, more), sizeof values->more},     {1, offsetof(variant, lanes), sizeof values->lanes},
-        {2, offsetof(variant, slots), sizeof values->slots},   {3, offsetof(variant, air), sizeof values->air},
-        {4, offsetof(variant, closes), sizeof values->closes}, {5, offsetof(variant, ground), sizeof values->ground},
-        {6, offsetof(variant, depth), sizeof values->depth},   {7, offsetof(variant, moves), sizeof values->moves},
-        {8, offsetof(variant, keeps), sizeof values->keeps}};
-    const VkSpecializationInfo constants = {9, entries, sizeof *values, values};
+    const VkSpecializationMapEntry entries[10] = {{0, offsetof(variant, more), sizeof values->more},
+                                                  {1, offsetof(variant, lanes), sizeof values->lanes},
+                                                  {2, offsetof(variant, slots), sizeof values->slots},
+                                                  {3, offsetof(variant, air), sizeof values->air},
+                                                  {4, offsetof(variant, closes), sizeof values->closes},
+                                                  {5, offsetof(variant, ground), sizeof values->ground},
+                                                  {6, offsetof(variant, depth), sizeof values->depth},
+                                                  {7, offsetof(variant, moves), sizeof values->moves},
+                                                  {8, offsetof(variant, keeps), sizeof values->keeps},
+                                                  {9, offsetof(variant, segmented), sizeof values->segmented}};
+    const VkSpecializationInfo constants = {10, entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -254,7 +258,9 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .ground = resolves && kind & PASS_GROUND,
                             .depth = resolves && kind & PASS_DEPTH,
                             .moves = resolves && kind & PASS_MOVES,
-                            .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS)};
+                            .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
+                            .segmented =
+                                (is_of(which, PASS_MARCH) || is_of(which, PASS_SHADOW)) && !gpu_is_software(g)};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 

@@ -1,3 +1,4 @@
+#include <stdlib.h>
 /* Cloud shadow maps: planes across the sun, snapped to texels that are fixed to the world until the sun has turned. */
 #include <math.h>
 #include <stdlib.h>
@@ -204,11 +205,13 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     /* Whoever sampled the map before, in whatever stage, has done so. */
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+    const char *asked = getenv("VELUM_D");
+    const uint32_t segments = gpu_is_software(g) ? 1 : asked ? (uint32_t)atoi(asked) : 8;
     for (uint32_t i = 0; i < count; i++) {
         offsets[2] = blocks[i];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,
                                  offsets);
-        record_dispatch(e, commands, which, rectangles[i].width, rectangles[i].height);
+        record_layers(e, commands, which, rectangles[i].width, rectangles[i].height, segments);
         s->texels_drawn += (uint64_t)rectangles[i].width * rectangles[i].height;
     }
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,

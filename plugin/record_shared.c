@@ -35,9 +35,14 @@ void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *co
                 VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
 }
 
-void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height) {
+void record_layers(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height, uint32_t layers) {
     e->g.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.pipeline[which]);
-    e->g.CmdDispatch(commands, (width + VELUM_GROUP - 1) / VELUM_GROUP, (height + VELUM_GROUP - 1) / VELUM_GROUP, 1);
+    e->g.CmdDispatch(commands, (width + VELUM_GROUP - 1) / VELUM_GROUP, (height + VELUM_GROUP - 1) / VELUM_GROUP,
+                     layers);
+}
+
+void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height) {
+    record_layers(e, commands, which, width, height, 1);
 }
 
 static void compute_to_compute(engine *e, VkCommandBuffer commands) {

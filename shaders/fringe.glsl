@@ -17,7 +17,7 @@ vec4 part_bounds(int part) {
 }
 
 velum_fringe page_fringe(uint page, vec2 uv) {
-    vec4 c = textureLod(tiles_a, vec3(uv, float(page == VELUM_PAGE_NONE ? 0u : page)), 0.0);
+    vec4 c = textureLod(tiles_a, page_place(page, uv), 0.0);
     c = page == VELUM_PAGE_NONE ? vec4(0.0) : c;
     return velum_fringe_of_texel(c.x, c.y, c.z, c.w);
 }

@@ -124,8 +124,10 @@ history_place history_at(past_place past, float distance_m) {
     p.samples = abs(data.y);
     p.ended = bvec2(false);
     if (has_depth) {
-        vec4 around = textureGather(history_data_in, at, 1);
-        vec2 f = fract(p.pixel - 0.5);
+        /* Asked where the four meet: devices round places, and nearer to a pixel's middle may take its other neighbours. */
+        vec2 corner = floor(p.pixel - 0.5) + 1.0;
+        vec4 around = textureGather(history_data_in, corner / view.room.zw, 1);
+        vec2 f = p.pixel + 0.5 - corner;
         vec4 weight = vec4(1.0 - f.x, f.x, f.x, 1.0 - f.x) * vec4(f.y, f.y, 1.0 - f.y, 1.0 - f.y);
         bvec4 ends = lessThan(around, vec4(0.0));
         bvec4 counts = greaterThan(weight, vec4(0.01));

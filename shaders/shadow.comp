@@ -3,6 +3,7 @@
 /* A level of a cloud shadow map: transmittance of all cloud towards the sun, from where the texel's line along the sun
  * meets the ellipsoid. */
 #include "fringe.glsl"
+#include "segments.glsl"
 #include "shared/slab.h"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_SHADOW_LEVEL, std140) uniform level_uniform {
@@ -12,6 +13,9 @@ layout(set = 1, binding = VELUM_BIND_SHADOW_OUT, r16f) uniform writeonly image2D
 
 /* Of a line through the shell of a layer. */
 const float most_steps = 32.0;
+
+/* Of the segments of a texel's line. */
+shared float depths[VELUM_GROUP * VELUM_GROUP];
 
 #ifdef VELUM_FRINGED
 /* Optical depth of hems and of what falls, from so far on along the sun's line. */
@@ -31,7 +35,7 @@ float fringe_depth(vec3 plane, vec3 to_sun, float from_m) {
         float way = high.enter_m <= high.leave_m ? max(high.leave_m - position, 0.0) : 0.0;
         float count = way > 0.0 ? clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps) : 0.0;
         float dt = way / max(count, 1.0);
-        for (float i = 0.5; i < count; i += 1.0) {
+        for (float i = 0.5 + float(segment_here()); i < count; i += float(segment_count())) {
             vec3 r = plane + to_sun * (position + dt * i);
             velum_place place = place_of(r);
             vec3 normal = vec3(place.nx, place.ny, place.nz);
@@ -51,14 +55,8 @@ float fringe_depth(vec3 plane, vec3 to_sun, float from_m) {
 }
 #endif
 
-void main() {
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, level.window.zw))) {
-        return;
-    }
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy + level.window.xy);
-    if (any(greaterThanEqual(texel, ivec2(int(level.axis_v.w))))) {
-        return;
-    }
+/* Optical depth of a texel's line towards the sun; of its segment of each layer. */
+float line_depth(ivec2 texel) {
     vec3 plane = level.origin.xyz +
                  (level.axis_u.xyz * (float(texel.x) + 0.5) + level.axis_v.xyz * (float(texel.y) + 0.5)) *
                      level.axis_u.w;
@@ -79,6 +77,9 @@ void main() {
         position = base.enter_m <= base.leave_m ? max(position, base.leave_m) : position;
         float end = top.enter_m <= top.leave_m ? top.leave_m : position;
         float way = max(end - position, 0.0);
+        float segment_m = way / float(segment_count());
+        position += segment_m * float(segment_here());
+        end = position + (way > 0.0 ? segment_m : 0.0);
         /* As many steps as the texel can show, and no more. */
         float long_dt = max(way / clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps), 1.0);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
@@ -117,6 +118,23 @@ void main() {
             position += stride;
         }
     }
-    depth += FRINGED(fringe_depth(plane, to_sun, grounded ? ground.leave_m : -1.0e9), 0.0);
-    imageStore(shadow_out, ivec3(texel, int(level.origin.w)), vec4(exp(-depth)));
+    return depth + FRINGED(fringe_depth(plane, to_sun, grounded ? ground.leave_m : -1.0e9), 0.0);
+}
+
+void main() {
+    uvec2 at = gl_WorkGroupID.xy * uint(VELUM_GROUP) + uvec2(segment_lane() % uint(VELUM_GROUP), segment_lane() / uint(VELUM_GROUP));
+    ivec2 texel = ivec2(at + level.window.xy);
+    bool is_texel = all(lessThan(at, level.window.zw)) && all(lessThan(texel, ivec2(int(level.axis_v.w))));
+    float depth = is_texel ? line_depth(texel) : 0.0;
+    if (velum_segmented) {
+        depths[gl_LocalInvocationIndex] = depth;
+        barrier();
+        is_texel = is_texel && segment_here() == 0u;
+        for (uint i = 1u; i < segment_count(); ++i) {
+            depth += is_texel ? depths[gl_LocalInvocationIndex + i] : 0.0;
+        }
+    }
+    if (is_texel) {
+        imageStore(shadow_out, ivec3(texel, int(level.origin.w)), vec4(exp(-depth)));
+    }
 }

@@ -138,10 +138,17 @@ tile_place tile_find(vec3 normal, float distance_m) {
     return tile_move(tile_nowhere(), normal, distance_m);
 }
 
-velum_slot_fields page_fields(uint page, vec2 uv) {
+/* Where a place in a page lies in the image of all; of no page, in the first. */
+vec3 page_place(uint page, vec2 uv) {
     uint safe = page == VELUM_PAGE_NONE ? 0u : page;
-    vec4 a = textureLod(tiles_a, vec3(uv, float(safe)), 0.0);
-    vec4 b = textureLod(tiles_b, vec3(uv, float(safe)), 0.0);
+    vec2 corner = vec2(safe % VELUM_PAGE_COLUMNS, safe / VELUM_PAGE_COLUMNS % VELUM_PAGE_ROWS);
+    return vec3((corner + uv) / vec2(VELUM_PAGE_COLUMNS, VELUM_PAGE_ROWS), float(safe / VELUM_PAGES_A_LAYER));
+}
+
+velum_slot_fields page_fields(uint page, vec2 uv) {
+    vec3 place = page_place(page, uv);
+    vec4 a = textureLod(tiles_a, place, 0.0);
+    vec4 b = textureLod(tiles_b, place, 0.0);
     velum_slot_fields f = velum_fields_of_texels(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
     f.coverage = page == VELUM_PAGE_NONE ? 0.0 : f.coverage;
     return f;
@@ -165,8 +172,7 @@ velum_slot_fields slot_fields(tile_place place, int slot, bool wanted) {
 }
 
 float page_coverage(uint page, vec2 uv) {
-    float safe = float(page == VELUM_PAGE_NONE ? 0u : page);
-    return page == VELUM_PAGE_NONE ? 0.0 : textureLod(tiles_a, vec3(uv, safe), 0.0).x;
+    return page == VELUM_PAGE_NONE ? 0.0 : textureLod(tiles_a, page_place(page, uv), 0.0).x;
 }
 
 /* Of a slot elsewhere in a tile's page, or at its border where that lies beyond. */

@@ -10,6 +10,10 @@
 #define VELUM_TILE_LEVEL_MAX 12   /* texel of 76 m */
 #define VELUM_TILE_FACE_M 1.0e7f  /* length of a face's side, nominal */
 #define VELUM_TILE_KEY_NONE 0xffffffffu
+/* Pages of a layer of their image, side by side: one page a layer is padded to twice its size on GPUs. */
+#define VELUM_PAGE_COLUMNS 4u
+#define VELUM_PAGE_ROWS 32u
+#define VELUM_PAGES_A_LAYER (VELUM_PAGE_COLUMNS * VELUM_PAGE_ROWS)
 
 /* Face n, its axes u and v. Faces 0..5: +X -X +Y -Y +Z -Z. */
 VELUM_STRUCT(velum_face_place) {

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/geodesy.h"
@@ -30,6 +31,11 @@ void fixture_tables(fixture *f) {
     assert_non_null(f->standalone_api);
 }
 
+int32_t fixture_device(void) {
+    const char *wanted = getenv("VELUM_TEST_DEVICE");
+    return wanted ? (int32_t)strtol(wanted, NULL, 10) : VELUM_DEVICE_CPU;
+}
+
 velum_engine *fixture_engine(fixture *f, bool validate) {
     velum_engine *engine = NULL;
     const velum_standalone_desc desc = {.struct_size = sizeof desc,
@@ -37,7 +43,7 @@ velum_engine *fixture_engine(fixture *f, bool validate) {
                                         .world = f->world,
                                         .log = fixture_log,
                                         .log_context = f,
-                                        .device = VELUM_DEVICE_CPU};
+                                        .device = fixture_device()};
     velum_result result = f->standalone_api->create_engine(&desc, &engine);
     if (result == VELUM_ERROR_UNSUPPORTED) {
         f->world_api->destroy(f->world);

@@ -28,6 +28,8 @@ typedef struct fixture {
 /* Tables alone. */
 void fixture_tables(fixture *f);
 void fixture_log(void *context, int32_t severity, const char *object, const char *message);
+/* A processor, so that tests are alike on all machines; environment VELUM_TEST_DEVICE: index of another. */
+int32_t fixture_device(void);
 /* World, engine and eye; skips the test where there is no device. */
 void fixture_init(fixture *f, bool validate);
 /* A second engine on the same world. */

@@ -33,7 +33,7 @@ static bool has_validation(void) {
     velum_engine *engine = NULL;
     assert_int_equal(f.world_api->create(&world, &f.world), VELUM_OK);
     const velum_standalone_desc desc = {
-        .struct_size = sizeof desc, .flags = VELUM_STANDALONE_VALIDATE, .world = f.world, .device = VELUM_DEVICE_CPU};
+        .struct_size = sizeof desc, .flags = VELUM_STANDALONE_VALIDATE, .world = f.world, .device = fixture_device()};
     velum_result result = f.standalone_api->create_engine(&desc, &engine);
     f.engine_api->destroy(engine);
     f.world_api->destroy(f.world);

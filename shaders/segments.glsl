@@ -1,0 +1,26 @@
+/* Work of one lane in segments, each an invocation's own, side by side in a subgroup: where rays alone do not fill a
+ * device, a frame takes as long as the longest of them. Software devices, which few fill, have one segment a lane. */
+#ifndef VELUM_SEGMENTS_GLSL
+#define VELUM_SEGMENTS_GLSL
+
+#include "shared/arguments.h"
+
+#define VELUM_SEGMENTED
+layout(constant_id = 9) const bool velum_segmented = false;
+
+/* As many as the dispatch has layers: a power of two. */
+uint segment_count() {
+    return velum_segmented ? gl_NumWorkGroups.z : 1u;
+}
+uint segment_here() {
+    return velum_segmented ? gl_LocalInvocationIndex % segment_count() : 0u;
+}
+
+/* An invocation's lane, of the 64 that a group and its like in other layers have. */
+uint segment_lane() {
+    uint lanes = uint(VELUM_GROUP * VELUM_GROUP) / segment_count();
+    return velum_segmented ? gl_WorkGroupID.z * lanes + gl_LocalInvocationIndex / segment_count()
+                           : gl_LocalInvocationIndex;
+}
+
+#endif
