@@ -9,7 +9,8 @@
 #include "shared/phase.h"
 #include "shared/reference.h"
 
-enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
+/* Fewer paths do not fill a GPU: a slice then takes as long as its longest path, however few it has. */
+enum { PATHS_MAX = 1 << 17, PATHS_MIN = 1 << 15, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
 enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 40, SOFTWARE_PATHS = 4096 };

@@ -399,23 +399,12 @@ static void record_list(view *v, VkCommandBuffer commands, pass which, VkDeviceS
 }
 
 /* Each ray of the frame. */
-static void record_rays(view *v, VkCommandBuffer commands, const velum_view_block *block, pass which, pass list,
-                        uint32_t layers) {
-    engine *e = v->eye->e;
+static void record_rays(view *v, VkCommandBuffer commands, const velum_view_block *block, pass which, pass list) {
     if (list != PASS_COUNT) {
         record_list(v, commands, which, VELUM_LIT_DISPATCH_BYTES);
     } else {
-        record_layers(e, commands, which, block->march_size[0], block->march_size[1], layers);
+        record_dispatch(v->eye->e, commands, which, block->march_size[0], block->march_size[1]);
     }
-}
-
-/* Segments of a ray (segments.glsl). */
-static uint32_t segments_of(const engine *e, const view_passes *which) {
-    if (gpu_is_software(&e->g) || which->light == PASS_COUNT) {
-        return 1;
-    }
-    const char *standing = getenv("VELUM_S"), *moving = getenv("VELUM_M");
-    return which->list == PASS_DUE ? (standing ? atoi(standing) : 8) : moving ? atoi(moving) : 2;
 }
 
 /* Rays, listed first where not each block has one; the light of the places that they have found; both together. */
@@ -431,14 +420,14 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
         record_dispatch(e, commands, which->list, block->march_size[0], block->march_size[1]);
         gpu_barrier(g, commands, compute, write, reads, access);
     }
-    record_rays(v, commands, block, which->march, which->list, segments_of(e, which));
+    record_rays(v, commands, block, which->march, which->list);
     if (which->light == PASS_COUNT) {
         return;
     }
     gpu_barrier(g, commands, compute, write, reads, access);
     record_list(v, commands, which->light, 0);
     gpu_barrier(g, commands, compute, write, reads, access);
-    record_rays(v, commands, block, which->gather, which->list, 1);
+    record_rays(v, commands, block, which->gather, which->list);
 }
 
 /* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do
@@ -514,8 +503,7 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, compute | VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, write,
                 compute | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, read | write | VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdFillBuffer(commands, e->counters.buffer, at, 16, 0);
-    const uint32_t nothing_listed[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS,      0, 1, 0, VELUM_LIT_COLUMNS, 0,
-                                                               segments_of(e, passes), 0};
+    const uint32_t nothing_listed[VELUM_LIT_HEAD_BYTES / 4] = {VELUM_LIT_COLUMNS, 0, 1, 0, VELUM_LIT_COLUMNS, 0, 1, 0};
     g->CmdUpdateBuffer(commands, v->lit.buffer, 0, sizeof nothing_listed, nothing_listed);
     if (tiles_begin) {
         /* As restless as can be, and no frame. */

@@ -7,19 +7,11 @@
 #define VELUM_NOTHING (lit_layers - 1u)
 #include "view.glsl"
 
-uint ray_lane() {
-#ifdef VELUM_SEGMENTED
-    return segment_lane();
-#else
-    return gl_LocalInvocationIndex;
-#endif
-}
-
 /* An invocation's block, where all of the picture's have one; past its edges there is none. Eight neighbours in a row of
  * invocations stand 4 x 2 in the picture: they go the same way more often. */
 ivec2 picture_block() {
-    uint lane = ray_lane() & 7u;
-    uint row = ray_lane() >> 3u;
+    uint lane = gl_LocalInvocationIndex & 7u;
+    uint row = gl_LocalInvocationIndex >> 3u;
     return dealt_group() * VELUM_GROUP + ivec2((row & 1u) * 4u + (lane & 3u), (row >> 1u) * 2u + (lane >> 2u));
 }
 bool is_in_picture(ivec2 block) {
@@ -54,7 +46,7 @@ bool due_ray_here(out due_ray ray) {
         ray.place = ray_of(ray.block) * ray.places;
         return is_in_picture(ray.block);
     }
-    uint index = listed_index(ray_lane());
+    uint index = listed_index();
     bool is_due = index < due_count;
     uint listed = lit_list[due_first() + (is_due ? index : 0u)];
     ray.which = finer ? listed & 3u : 0u;

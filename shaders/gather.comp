@@ -34,8 +34,7 @@ void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
 
 void main() {
     due_ray of;
-    /* The march has layers for the segments of rays. */
-    if (gl_WorkGroupID.z > 0u || !due_ray_here(of)) {
+    if (!due_ray_here(of)) {
         return;
     }
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */

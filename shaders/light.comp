@@ -12,7 +12,7 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 };
 
 void main() {
-    uint index = listed_index(gl_LocalInvocationIndex);
+    uint index = listed_index();
     if (index >= lit_count) {
         return;
     }

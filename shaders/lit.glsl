@@ -20,10 +20,10 @@ layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
     uint lit_list[];
 };
 
-/* The place in a list of a lane of a group, in a dispatch over that; rows of such a dispatch. */
-uint listed_index(uint lane) {
+/* An invocation's place in a list, in a dispatch over that; rows of such a dispatch. */
+uint listed_index() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    return group * uint(VELUM_GROUP * VELUM_GROUP) + lane;
+    return group * uint(VELUM_GROUP * VELUM_GROUP) + gl_LocalInvocationIndex;
 }
 uint listed_rows(uint count) {
     const uint in_row = uint(VELUM_GROUP * VELUM_GROUP * VELUM_LIT_COLUMNS);

@@ -4,7 +4,8 @@
 /* One ray for each block of pixels, or four (finer.comp): transmittance of cloud, its mean distance, and the places of it
  * that get light (lit.glsl). For studies (study.glsl) every place is lit as it is found. */
 #include "air_light.glsl"
-#include "ray_segments.glsl"
+#include "due.glsl"
+#include "weather.glsl"
 #include "study.glsl"
 #include "cloud_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
@@ -58,86 +59,11 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     return min(here, velum_threshold_least(hit.profile, then));
 }
 
-#ifndef VELUM_STUDY
-/* What has been found at a place, or over a step about it. */
-struct found_place {
-    float at_m, length_m;
-    float end_m; /* of the step */
-    float part;
-    float alpha; /* of the picture */
-    bool is_uniform; /* layer: its light is known over any step */
-};
-
-void hand_on(uint first, uint index, vec4 place, bool joined) {
-    if (velum_segmented && !joined) {
-        segment_places[gl_LocalInvocationIndex * uint(VELUM_LIT_PLACES) + index] = place;
-    } else {
-        lit[first + index] = place;
-    }
-}
-
-/* A ray's opacity falls to a few places, each drawn from its part of it by its share. Steps through a uniform layer are
- * one. Returns the place's distance times its opacity. */
-float take_place(inout ray_places p, found_place found, due_ray of, float through, float offset, bool joined) {
-    vec4 place = p.newest;
-    float alpha = found.alpha;
-    bool deeper = through < 1.0 - float(p.count) / float(of.places);
-    bool fits = p.count < of.places && (deeper || found.part != place.w);
-    bool opens = alpha > 0.0 && (p.count == 0u || fits);
-    if (opens && p.count > 0u) {
-        hand_on(of.place, p.count - 1u, place, joined);
-    }
-    p.count += opens ? 1u : 0u;
-    place.z = (opens ? 0.0 : place.z) + alpha;
-    float share = alpha / max(place.z, 1.0e-20);
-    bool takes = alpha > 0.0 && p.pick < share;
-    p.pick = opens || alpha <= 0.0 ? p.pick : takes ? p.pick / share : (p.pick - share) / (1.0 - share);
-    bool joins = alpha > 0.0 && found.is_uniform && !opens && found.part == place.w;
-    float joined_m = found.end_m - (place.x - offset * place.y);
-    float joined_at = found.end_m - joined_m * (1.0 - offset);
-    float weighted = joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * found.at_m;
-    place.xyw = joins   ? vec3(joined_at, joined_m, place.w)
-                : takes ? vec3(found.at_m, found.length_m, found.part)
-                        : place.xyw;
-    p.newest = place;
-    return weighted;
-}
-
-/* What the segments of a ray have found, the nearest first, put together by the first of them. */
-void join_segments(due_ray of, float offset, inout ray_places all, inout float through, inout float weight,
-                   inout float weighted) {
-    all = ray_places(0u, vec4(0.0), pick_offset(offset));
-    through = 1.0;
-    weight = weighted = 0.0;
-    for (uint i = 0u; i < segment_count() && through > 0.0; ++i) {
-        uint segment = gl_LocalInvocationIndex + i;
-        vec4 found = segment_found[segment];
-        float before = through;
-        for (uint k = 0u; k < uint(found.w); ++k) {
-            vec4 place = segment_places[segment * uint(VELUM_LIT_PLACES) + k];
-            int part = int(place.w);
-            bool is_uniform = FRINGED(part & (VELUM_SLOT_COUNT - 1), part) >= VELUM_SLOT_UNIFORM;
-            float alpha = through * place.z;
-            found_place next = found_place(place.x, place.y, place.x + place.y * (1.0 - offset), place.w, alpha, is_uniform);
-            weighted += take_place(all, next, of, before, offset, true) - alpha * place.x;
-            before -= alpha;
-        }
-        weight += through * found.y;
-        weighted += through * found.z;
-        through *= found.x;
-        through = through < opaque ? 0.0 : through;
-    }
-}
-#endif
-
 void main() {
     due_ray of;
-    bool is_ray = due_ray_here(of);
-    if (!velum_segmented && !is_ray) {
+    if (!due_ray_here(of)) {
         return;
     }
-    /* All of a group put segments together. */
-    of.block = min(of.block, ivec2(view.march_size.xy) - 1);
     ivec2 block = of.block;
     ivec2 pixel = finer_pixel(block, of.which);
     view_ray ray = ray_of_pixel(pixel);
@@ -160,16 +86,6 @@ void main() {
         position = max(position, hollow.leave_m);
     }
 
-    int left = int(view.steps.x);
-    if (velum_segmented) {
-        bool meets = is_ray && position < end;
-        vec2 part = segment_of(ray, meets ? position : 0.0, meets ? end : 0.0);
-        position = part.x;
-        end = part.y;
-        left = min(left, int(segment_steps * float(left) / float(segment_count())));
-    }
-    const int most = left;
-
     float through = 1.0;
     float weighted = 0.0;
     float weight = 0.0;
@@ -181,6 +97,7 @@ void main() {
     float offset = step_offset(pixel);
     float dt_min = view.march.x;
     float growth = view.march.y;
+    int left = int(view.steps.x);
     uint done = 0u;        /* slots already looked at in this step */
     /* From the step's beginning on, how far nothing can begin; less for ranks, whose bounds are none. */
     float advance = 1.0e9;
@@ -192,7 +109,10 @@ void main() {
     uint light_samples = 0u;
     bool is_lit = false;
 #else
-    ray_places places = ray_places(0u, vec4(0.0), velum_segmented ? segment_pick(offset) : pick_offset(offset));
+    uint first_place = of.place;
+    uint places = 0u;
+    vec4 place = vec4(0.0); /* the newest: see lit.glsl */
+    float pick = pick_offset(offset);
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -211,7 +131,7 @@ void main() {
         cloud_hit hit;
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
         /* Longer as they run out, so that a ray comes to its end. */
-        float spent = 1.0 - float(left) / float(most);
+        float spent = 1.0 - float(left) / float(view.steps.x);
         float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
@@ -364,8 +284,24 @@ void main() {
         light += study_share(through, depth) * source;
         weighted += alpha * min(at + place_m, end);
 #else
-        weighted += take_place(places, found_place(at, dt, start_m + dt, float(part), alpha, uniform_layer), of, through,
-                               offset, false);
+        /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
+        bool deeper = through < 1.0 - float(places) / float(of.places);
+        bool fits = places < of.places && (deeper || float(part) != place.w);
+        bool opens = alpha > 0.0 && (places == 0u || fits);
+        if (opens && places > 0u) {
+            lit[first_place + places - 1u] = place;
+        }
+        places += opens ? 1u : 0u;
+        place.z = (opens ? 0.0 : place.z) + alpha;
+        float share = alpha / max(place.z, 1.0e-20);
+        bool takes = alpha > 0.0 && pick < share;
+        pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        /* Steps through a uniform layer are one: its light is known over any. */
+        bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
+        float joined_m = start_m + dt - (place.x - offset * place.y);
+        float joined_at = start_m + dt - joined_m * (1.0 - offset);
+        weighted += joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * at;
+        place.xyw = joins ? vec3(joined_at, joined_m, place.w) : takes ? vec3(at, dt, float(part)) : place.xyw;
 #endif
         weight += alpha;
         through *= step_t;
@@ -373,55 +309,38 @@ void main() {
             through = 0.0;
             alive = false;
         }
-        if (velum_segmented) {
-            alive = alive && !segment_is_hidden(through <= 0.0);
-        }
     }
 
-#ifndef VELUM_STUDY
-    if (places.count > 0u) {
-        hand_on(of.place, places.count - 1u, places.newest, false);
-    }
-    if (velum_segmented) {
-        segment_found[gl_LocalInvocationIndex] = vec4(through, weight, weighted, float(places.count));
-        barrier();
-        is_ray = is_ray && segment_here() == 0u;
-        if (is_ray) {
-            join_segments(of, offset, places, through, weight, weighted);
-            if (places.count > 0u) {
-                hand_on(of.place, places.count - 1u, places.newest, true);
-            }
-        }
-        places.count = is_ray ? places.count : 0u;
-    }
-#endif
     float distance_m = weight > 1.0e-4 ? weighted / weight : 0.0;
 #ifdef VELUM_STUDY
     light = air_before_cloud(ray.origin, ray.direction, light, through, distance_m, weight > 0.0);
     imageStore(light_out, block, vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), through));
 #else
-    if (is_ray && of.which != 0u) {
-        lit[of.place - 1u] = vec4(float(places.count), weight, distance_m, through);
-    } else if (is_ray) {
-        imageStore(light_out, block, vec4(float(places.count), weight, 0.0, through));
+    if (places > 0u) {
+        lit[first_place + places - 1u] = place;
     }
-    uint before = subgroupExclusiveAdd(places.count);
-    uint all = subgroupAdd(places.count);
+    if (of.which != 0u) {
+        lit[first_place - 1u] = vec4(float(places), weight, distance_m, through);
+    } else {
+        imageStore(light_out, block, vec4(float(places), weight, 0.0, through));
+    }
+    uint before = subgroupExclusiveAdd(places);
+    uint all = subgroupAdd(places);
     uint list_first = 0u;
     if (subgroupElect()) {
         list_first = atomicAdd(lit_count, all);
         atomicMax(lit_rows, listed_rows(list_first + all));
     }
     list_first = subgroupMax(list_first) + before;
-    for (uint i = 0u; i < places.count; ++i) {
-        lit_list[list_first + i] = of.place + i;
+    for (uint i = 0u; i < places; ++i) {
+        lit_list[list_first + i] = first_place + i;
     }
 #endif
-    if (is_ray && of.which == 0u) {
+    if (of.which == 0u) {
         imageStore(distance_out, block, vec4(distance_m));
     }
 
-    uint ray_count = subgroupAdd(is_ray ? 1u : 0u);
+    uint ray_count = subgroupAdd(1u);
     samples = subgroupAdd(samples);
     uint misses = subgroupAdd(missing ? 1u : 0u);
 #ifdef VELUM_STUDY

@@ -41,7 +41,10 @@ const float stays = 2e-3;
  * that it is handed on blurs it. */
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
-const float shown = 0.75;
+const float borrowed = 0.75;
+/* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
+ * clouds vary as much. */
+const float evened_share = 0.6, evened_rad = 1.2e-3;
 /* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
  * beside them, whatever that is. */
 const float shut = 0.01;
@@ -220,10 +223,29 @@ vec4 flow(vec4 beyond, vec4 from, vec4 here, vec4 after, float share) {
     return share * (from - here + half_left * (lean_of(from - beyond, here - from) - lean_of(here - from, after - here)));
 }
 
+/* Light that stood beside a pixel: to both sides, over and under it. */
+struct light_beside {
+    vec4 left, right, over, under;
+};
+
+vec4 beyond(vec4 light, vec4 a, vec4 b) {
+    return light - clamp(light, min(a, b), max(a, b));
+}
+
+/* What is shown of a pixel of a moving view that lies beyond both at its sides, or over and under it: rays step on by
+ * offsets of their own, by which edges would be specked. What history holds is the ray's. */
+vec4 evened(vec4 light, light_beside beside) {
+    float pixel_rad = (view.up.w - view.right.w) / float(view.size.x);
+    float share = evened_share * min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
+    vec4 across = beyond(light, beside.left, beside.right);
+    vec4 along = beyond(light, beside.over, beside.under);
+    return light - share * mix(across, along, lessThan(abs(across), abs(along)));
+}
+
 /* History between its pixels, as a flow from cell to cell with limited slopes: edges stay as sharp as they are however
  * often they are handed on, and move as far as they should. A filter blurs them; Catmull and Rom's spline, held back from
  * new extremes, moves a step half as far. */
-vec4 history_light(vec2 place, vec2 size) {
+vec4 history_light(vec2 place, vec2 size, out light_beside beside) {
     ivec2 last = ivec2(size) - 1;
     ivec2 cell = ivec2(place);
     vec2 from = place - (vec2(cell) + 0.5);
@@ -237,6 +259,7 @@ vec4 history_light(vec2 place, vec2 size) {
     vec4 over_2 = texelFetch(history_in, clamp(cell + 2 * y, ivec2(0), last), 0);
     vec4 under = texelFetch(history_in, clamp(cell - y, ivec2(0), last), 0);
     vec4 corner = texelFetch(history_in, clamp(cell + x + y, ivec2(0), last), 0);
+    beside = light_beside(left, right, over, under);
     vec2 share = abs(from);
     vec4 sum = here + flow(left_2, left, here, right, share.x) + flow(over_2, over, here, under, share.y) +
                share.x * share.y * (corner - left - over + here);
@@ -274,8 +297,8 @@ bool hides(vec4 light, float distance_m, float end_m) {
     return light.a < shut && alike_ratio * distance_m < end_m;
 }
 
-/* `hit_m`: the host's surface; below 0: none. */
-cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
+/* `hit_m`: the host's surface; below 0: none. `shown`: light and transmittance in the picture. */
+cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown) {
     ivec2 side = ray_block_size();
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
@@ -358,6 +381,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         fresh.distance_m = 0.0;
         low = high = fresh.light;
     }
+    shown = fresh.light;
     if (first) {
         return fresh;
     }
@@ -387,11 +411,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
     if (!place.known) {
         return fresh;
     }
+    light_beside stood_beside;
     if (moves) {
-        old = cloud_pixel(history_light(place.pixel, size), place.distance_m, place.samples, vec4(0.0));
+        old = cloud_pixel(history_light(place.pixel, size, stood_beside), place.distance_m, place.samples, vec4(0.0));
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
-    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, shown) : old.samples, view.scale.w);
+    float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, borrowed) : old.samples, view.scale.w);
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
@@ -441,6 +466,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m) {
         result = old;
         result.samples = count;
     }
+    shown = result.light;
+    if (moves && calm_turns() == 0u && (!has_depth || place.ended.x == place.ended.y)) {
+        shown = evened(shown, stood_beside);
+    }
     return result;
 }
 
@@ -458,11 +487,13 @@ void main() {
     float hit = has_depth ? host_distance(pixel, ray) : -1.0;
     bool host = hit >= 0.0;
     cloud_pixel cloud;
+    vec4 shown;
     if (keeps) {
         bool ended;
         cloud = standing_at(pixel, ended);
+        shown = cloud.light;
     } else {
-        cloud = resolve_cloud(pixel, ray, hit);
+        cloud = resolve_cloud(pixel, ray, hit, shown);
         uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);
         history_store(pixel, cloud, host && cloud.light.a >= shut, moves, chance);
     }
@@ -470,8 +501,8 @@ void main() {
     float ground = ground_distance(ray.origin, ray.direction);
     hit = host ? hit : ground;
     bool solid = hit >= 0.0;
-    float through = cloud.light.a;
-    vec3 light = cloud.light.rgb * VELUM_LUMINANCE_UNIT;
+    float through = shown.a;
+    vec3 light = shown.rgb * VELUM_LUMINANCE_UNIT;
     vec3 transmittance = vec3(through);
     vec3 change = cloud.change.rgb * VELUM_LUMINANCE_UNIT;
 

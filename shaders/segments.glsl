@@ -5,7 +5,6 @@
 
 #include "shared/arguments.h"
 
-#define VELUM_SEGMENTED
 layout(constant_id = 9) const bool velum_segmented = false;
 
 /* As many as the dispatch has layers: a power of two. */
