@@ -351,6 +351,8 @@ velum_result eye_create(engine *e, const velum_eye_desc *desc, velum_eye **out);
 velum_result eye_destroy(eye *y);
 velum_result view_create(eye *y, const velum_view_desc *desc, velum_view **out);
 velum_result view_destroy(view *v);
+/* Of each texel's line: segments.glsl. */
+uint32_t shadow_segments(const gpu *g);
 velum_result shadow_create(engine *e, const velum_shadow_desc *desc, velum_shadow **out);
 velum_result shadow_destroy(shadow *s);
 void objects_bury(engine *e); /* frees what the device has passed */
@@ -381,7 +383,7 @@ velum_result record_shadow(shadow *s, VkCommandBuffer commands, const velum_shad
 void record_uploads(engine *e, VkCommandBuffer commands, const tiles_context *context);
 tiles_context record_tiles_context(engine *e, uint32_t *budget, VkBufferCopy *copies, uint32_t copy_capacity);
 void record_dispatch(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height);
-/* The same with so many layers: segments.glsl. */
+/* The same with so many layers of groups. */
 void record_layers(engine *e, VkCommandBuffer commands, pass which, uint32_t width, uint32_t height, uint32_t layers);
 
 /* noise_volumes.c: the first frame's uploads. */

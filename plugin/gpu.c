@@ -294,8 +294,6 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
     } else if (!(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) ||
                !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT)) {
         missing = "subgroup arithmetic in compute shaders";
-    } else if (properties.properties.limits.maxImageArrayLayers < 256) {
-        missing = "images of 256 array layers";
     } else if (properties.properties.limits.maxPerStageDescriptorStorageImages < 10) {
         missing = "10 storage images a stage";
     } else if (properties.properties.limits.maxPerStageDescriptorStorageBuffers < 5) {

@@ -1,6 +1,6 @@
-/* The pages: what tiles look like on the device. Two texture arrays that all eyes of an engine share; a layer holds one
- * slot of one tile of one state. Pages are known by their contents, so a tile that a commit did not touch keeps its
- * page, and nothing is sent twice. Least recently used out. */
+/* The pages: what tiles look like on the device. Two texture arrays that all eyes of an engine share; a page holds one
+ * slot of one tile of one state, and a layer VELUM_PAGES_A_LAYER of them. Pages are known by their contents, so a tile
+ * that a commit did not touch keeps its page, and nothing is sent twice. Least recently used out. */
 #ifndef PLUGIN_PAGES_H
 #define PLUGIN_PAGES_H
 

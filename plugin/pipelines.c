@@ -259,7 +259,7 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .depth = resolves && kind & PASS_DEPTH,
                             .moves = resolves && kind & PASS_MOVES,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
-                            .segmented = is_of(which, PASS_SHADOW) && !gpu_is_software(g)};
+                            .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 

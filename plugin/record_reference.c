@@ -9,14 +9,18 @@
 #include "shared/phase.h"
 #include "shared/reference.h"
 
+enum { PATHS_MAX = 1 << 17, PATHS_MIN = 256, ROUND_MAX = 64, GROUPS_MAX = 2048 };
 /* Fewer paths do not fill a GPU: a slice then takes as long as its longest path, however few it has. */
-enum { PATHS_MAX = 1 << 17, PATHS_MIN = 1 << 15, ROUND_MAX = 64, GROUPS_MAX = 2048 };
+enum { PATHS_FULL = 1 << 15 };
 
 /* Software devices end loops early (reference.comp): their lanes are few, interrupted, and taken up again. */
 enum { SOFTWARE_GROUPS_MAX = 32, SOFTWARE_ROUNDS = 40, SOFTWARE_PATHS = 4096 };
 
 /* Of a submission; a slice may take half as long again. */
 #define SLICE_MS 30.0f
+/* So long it may take where it does not fill the device: an operating system may take a device that hangs for seconds
+ * from its process. */
+#define SLICE_MOST_MS 250.0f
 /* Fewer flights about the sun are drawn than collisions. */
 #define BRANCHES 0.3f
 #define WORTH 0.2f
@@ -126,18 +130,29 @@ static void next_slice(reference *r, uint32_t limit) {
     }
 }
 
-/* Rounds take what they take; elsewhere the number of paths is what can be chosen. */
+/* Rounds take what they take; elsewhere the number of paths is what can be chosen, by the time that they take, or,
+ * while they do not fill the device, as long as that is not too long. */
 static void adapt(reference *r, const frame_record *record, bool software, bool complete, float ms) {
     if (ms <= 0.0f || complete == software) {
         return;
     }
     float now = (float)(software ? r->rounds : r->path_room);
     float wanted = (float)(software ? record->rounds : record->paths) * SLICE_MS / ms;
-    wanted = wanted < 2.0f * now ? wanted : 2.0f * now;
+    if (!software) {
+        const float most = (float)record->paths * SLICE_MOST_MS / ms;
+        if (record->paths < r->path_room && ms < SLICE_MOST_MS) {
+            return; /* the last of a round is a small one */
+        }
+        if (wanted < PATHS_FULL) {
+            wanted = most < PATHS_FULL ? most : PATHS_FULL;
+        }
+    }
+    const float growth = software ? 2.0f : 4.0f;
+    wanted = wanted < growth * now ? wanted : growth * now;
     wanted = wanted > 0.25f * now ? wanted : 0.25f * now;
     if (software) {
         r->rounds = wanted < 16.0f ? 16 : wanted > 1e5f ? 100000 : (uint32_t)wanted;
-    } else if (record->paths == r->path_room || wanted < now) {
+    } else {
         r->path_room = wanted < PATHS_MIN ? PATHS_MIN : wanted > PATHS_MAX ? PATHS_MAX : (uint32_t)wanted;
     }
 }

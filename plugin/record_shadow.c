@@ -25,8 +25,14 @@
 #define SUN_TURN_RAD 0.0087
 /* Of a level: its band, and the two strips that come into sight as it follows. */
 #define RECTANGLES 3u
-/* Of a texel's line (segments.glsl): on an H200 a band takes a third of the time with 4, a fifth with 16. */
+/* Of a texel's line on a GPU (segments.glsl): on an H200 a band takes a third of the time with 4, a fifth with 16. Each
+ * has a step in a layer at least, where a software device has 8 and more in all. */
 #define SEGMENTS 16u
+_Static_assert(VELUM_GROUP *VELUM_GROUP % SEGMENTS == 0 && (SEGMENTS & (SEGMENTS - 1)) == 0, "see segments.glsl");
+
+uint32_t shadow_segments(const gpu *g) {
+    return gpu_is_software(g) ? 1 : SEGMENTS;
+}
 
 static void cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -206,7 +212,7 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     /* Whoever sampled the map before, in whatever stage, has done so. */
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
-    const uint32_t segments = gpu_is_software(g) ? 1 : SEGMENTS;
+    const uint32_t segments = shadow_segments(g);
     for (uint32_t i = 0; i < count; i++) {
         offsets[2] = blocks[i];
         g->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->passes.layout_shadow, 0, 2, sets, 3,

@@ -228,17 +228,33 @@ struct light_beside {
     vec4 left, right, over, under;
 };
 
-vec4 beyond(vec4 light, vec4 a, vec4 b) {
+vec4 excess_over(vec4 light, vec4 a, vec4 b) {
     return light - clamp(light, min(a, b), max(a, b));
 }
 
+/* Light of a pixel of history, as far as this frame has seen the like of it (`low` to `high`); the pixel's own (`light`)
+ * where there is none, or where the host has drawn something that ended a ray there and not here (`ended`). */
+vec4 light_at_side(ivec2 pixel, vec4 there, vec4 light, vec4 low, vec4 high, bool ended) {
+    bool is_in = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(view.size.xy)));
+    if (has_depth) {
+        is_in = is_in && (texelFetch(history_data_in, clamp(pixel, ivec2(0), ivec2(view.size.xy) - 1), 0).g < 0.0) == ended;
+    }
+    return is_in ? clamp(there, low, high) : light;
+}
+
 /* What is shown of a pixel of a moving view that lies beyond both at its sides, or over and under it: rays step on by
- * offsets of their own, by which edges would be specked. What history holds is the ray's. */
-vec4 evened(vec4 light, light_beside beside) {
+ * offsets of their own, by which edges would be specked. What history holds is the ray's. Orthographic views, whose pixels
+ * have no angle, are shown as they are. */
+vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bool ended) {
     float pixel_rad = (view.up.w - view.right.w) / float(view.size.x);
     float share = evened_share * min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
-    vec4 across = beyond(light, beside.left, beside.right);
-    vec4 along = beyond(light, beside.over, beside.under);
+    share = view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 0.0 : share;
+    ivec2 x = ivec2(1, 0);
+    ivec2 y = ivec2(0, 1);
+    vec4 across = excess_over(light, light_at_side(cell - x, beside.left, light, low, high, ended),
+                              light_at_side(cell + x, beside.right, light, low, high, ended));
+    vec4 along = excess_over(light, light_at_side(cell - y, beside.over, light, low, high, ended),
+                             light_at_side(cell + y, beside.under, light, low, high, ended));
     return light - share * mix(across, along, lessThan(abs(across), abs(along)));
 }
 
@@ -259,7 +275,7 @@ vec4 history_light(vec2 place, vec2 size, out light_beside beside) {
     vec4 over_2 = texelFetch(history_in, clamp(cell + 2 * y, ivec2(0), last), 0);
     vec4 under = texelFetch(history_in, clamp(cell - y, ivec2(0), last), 0);
     vec4 corner = texelFetch(history_in, clamp(cell + x + y, ivec2(0), last), 0);
-    beside = light_beside(left, right, over, under);
+    beside = light_beside(x.x < 0 ? left : right, x.x < 0 ? right : left, y.y < 0 ? over : under, y.y < 0 ? under : over);
     vec2 share = abs(from);
     vec4 sum = here + flow(left_2, left, here, right, share.x) + flow(over_2, over, here, under, share.y) +
                share.x * share.y * (corner - left - over + here);
@@ -467,8 +483,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.samples = count;
     }
     shown = result.light;
-    if (moves && calm_turns() == 0u && (!has_depth || place.ended.x == place.ended.y)) {
-        shown = evened(shown, stood_beside);
+    if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
+        vec4 slack = (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
+        bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
+        shown = evened(shown, old_pixel, stood_beside, low - slack, high + slack, ended);
     }
     return result;
 }

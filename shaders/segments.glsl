@@ -1,5 +1,5 @@
-/* Work of one lane in segments, each an invocation's own, side by side in a subgroup: where rays alone do not fill a
- * device, a frame takes as long as the longest of them. Software devices, which few fill, have one segment a lane. */
+/* Work of one lane in segments, each an invocation's own, side by side: where few lanes are due they do not fill a GPU,
+ * and a pass takes as long as the longest of them. A few fill software devices, which have one segment a lane. */
 #ifndef VELUM_SEGMENTS_GLSL
 #define VELUM_SEGMENTS_GLSL
 
@@ -7,7 +7,7 @@
 
 layout(constant_id = 9) const bool velum_segmented = false;
 
-/* As many as the dispatch has layers: a power of two. */
+/* As many as the dispatch has layers: a power of two, up to all lanes of a group. */
 uint segment_count() {
     return velum_segmented ? gl_NumWorkGroups.z : 1u;
 }

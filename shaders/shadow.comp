@@ -79,7 +79,7 @@ float line_depth(ivec2 texel) {
         float way = max(end - position, 0.0);
         float segment_m = way / float(segment_count());
         position += segment_m * float(segment_here());
-        end = position + (way > 0.0 ? segment_m : 0.0);
+        end = position + segment_m;
         /* As many steps as the texel can show, and no more. */
         float long_dt = max(way / clamp(ceil(way / (1.5 * level.axis_u.w)), 8.0, most_steps), 1.0);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
@@ -122,7 +122,8 @@ float line_depth(ivec2 texel) {
 }
 
 void main() {
-    uvec2 at = gl_WorkGroupID.xy * uint(VELUM_GROUP) + uvec2(segment_lane() % uint(VELUM_GROUP), segment_lane() / uint(VELUM_GROUP));
+    uvec2 lane = uvec2(segment_lane() % uint(VELUM_GROUP), segment_lane() / uint(VELUM_GROUP));
+    uvec2 at = gl_WorkGroupID.xy * uint(VELUM_GROUP) + lane;
     ivec2 texel = ivec2(at + level.window.xy);
     bool is_texel = all(lessThan(at, level.window.zw)) && all(lessThan(texel, ivec2(int(level.axis_v.w))));
     float depth = is_texel ? line_depth(texel) : 0.0;

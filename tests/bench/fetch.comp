@@ -25,6 +25,7 @@ void main() {
     uvec2 at = uvec2(group % groups, group / groups) * 8u +
                uvec2((part & 1u) * 4u + (lane & 3u), (part >> 1u) * 2u + (lane >> 2u));
     vec2 turn = (vec2(at) - 0.5 * float(input_words[ACROSS])) * uintBitsToFloat(input_words[ANGLE]);
+    at.y %= 96u; /* the same picture again and again */
     /* No axis of the texture lies along the rays. */
     vec3 direction = normalize(vec3(0.612, 0.436, 0.660) + turn.x * vec3(0.733, 0.0, -0.680) + vec3(0.0, turn.y, 0.0));
     vec3 stride = direction * uintBitsToFloat(input_words[STEP]);
@@ -34,7 +35,7 @@ void main() {
     for (uint n = 0u; n < rounds; ++n) {
 #ifdef PAGES
         /* Pages hold several kilometres: a ray stays in one for many steps. */
-        vec3 page = vec3(fract(place.xy), float(n >> 3u));
+        vec3 page = vec3(fract(place.xy), float((n >> 3u) % 64u));
         sum += textureLod(pages, page, 0.0);
         sum += textureLod(pages, page + vec3(stride.xy, 0.0), 0.0);
         sum += textureLod(pages, page + vec3(2.0 * stride.xy, 0.0), 0.0);

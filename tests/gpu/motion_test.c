@@ -18,6 +18,7 @@ typedef struct rig {
     double time_s;
     float light[PIXELS * 3], through[PIXELS * 3];
     const float *depth_m; /* of the host; null: none */
+    float tan_x;
 } rig;
 
 static void rig_init_sized(rig *r, const velum_layer *layer, uint32_t width, uint32_t height) {
@@ -27,6 +28,7 @@ static void rig_init_sized(rig *r, const velum_layer *layer, uint32_t width, uin
     r->view = fixture_view(&r->f, r->f.eye, width, height);
     r->width = width;
     r->height = height;
+    r->tan_x = 0.4f;
     fixture_axes(LAT_DEG, LON_DEG, r->east, r->north, r->up);
 }
 
@@ -46,7 +48,7 @@ static void draw(rig *r, double height_m, double climb_rad, const float jitter[2
         sun[i] = 0.6 * r->up[i] - 0.8 * r->east[i];
     }
     fixture_position(LAT_DEG, LON_DEG, height_m, position);
-    velum_view_frame camera = fixture_camera(position, forward, r->north, 0.4f, 0.3f);
+    velum_view_frame camera = fixture_camera(position, forward, r->north, r->tan_x, 0.75f * r->tan_x);
     camera.flags |= flags;
     camera.jitter_x = jitter[0];
     camera.jitter_y = jitter[1];
@@ -151,6 +153,37 @@ static void depth_parts_what_is_before_from_what_is_behind(void **state) {
                       over, under);
         assert_true(over <= 1e-3);
         assert_true(under <= 0.01);
+        rig_finish(&r);
+    }
+}
+
+/* A wire of the host's, a pixel or two wide, before thick cloud, in pixels as fine as a simulator's: the eye sinks, and
+ * nothing of the cloud is shown over it. */
+static void wires_stay_before_cloud(void **state) {
+    (void)state;
+    static float depth_m[PIXELS];
+    static rig r;
+    const velum_layer cloud = fixture_slab(16.0f);
+    for (int width = 1; width <= 2; width++) {
+        rig_init(&r, &cloud);
+        r.depth_m = depth_m;
+        r.tan_x = 0.038f;
+        for (int i = 0; i < PIXELS; i++) {
+            depth_m[i] = i % W >= 20 && i % W < 20 + width ? 20.0f : 0.0f;
+        }
+        double over = 0.0, beside = 0.0;
+        for (int frame = 0; frame < 40; frame++) {
+            draw(&r, (double)cloud.base_m - 100.0 - 0.001 * frame, 0.8, steady, frame == 0 ? VELUM_VIEW_CUT : 0);
+            r.time_s += FRAME_S;
+            for (int i = 0; i < PIXELS && frame > 30; i++) {
+                const double through = (double)r.through[3 * i];
+                over = depth_m[i] > 0.0f ? fmax(over, 1.0 - through) : over;
+                beside = depth_m[i] > 0.0f ? beside : fmax(beside, through);
+            }
+        }
+        print_message("wire of %d pixels: %.4f of cloud over it, %.4f of its air beside it\n", width, over, beside);
+        assert_true(over <= 0.01);
+        assert_true(beside <= 0.01);
         rig_finish(&r);
     }
 }
@@ -435,6 +468,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
                                        cmocka_unit_test(depth_parts_what_is_before_from_what_is_behind),
+                                       cmocka_unit_test(wires_stay_before_cloud),
                                        cmocka_unit_test(closed_cloud_hides_depth_behind_it),
                                        cmocka_unit_test(views_that_stand_have_fewer_rays),
                                        cmocka_unit_test(blocks_of_moving_views_have_more_rays_where_rays_differ),
