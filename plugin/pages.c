@@ -19,9 +19,8 @@ void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
 
 bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes) {
     *p = (pages){0};
-    p->capacity = PAGES_MAX;
     p->copy_capacity = (uint32_t)(stage_bytes / (2 * CORE_TILE_PAGE_BYTES)) + 1;
-    p->page = calloc(p->capacity, sizeof *p->page);
+    p->page = calloc(PAGES_MAX, sizeof *p->page);
     p->names = calloc(PAGES_NAMES, sizeof *p->names);
     p->buckets = calloc(PAGES_BUCKETS, sizeof *p->buckets);
     p->copies_a = calloc(p->copy_capacity, sizeof *p->copies_a);
@@ -66,7 +65,7 @@ static void touch(pages *p, uint32_t index) {
 }
 
 bool pages_keep(pages *p, uint32_t index, uint64_t contents) {
-    if (index >= p->capacity || p->page[index].contents != contents) {
+    if (index >= PAGES_MAX || p->page[index].contents != contents) {
         return false;
     }
     touch(p, index);
@@ -74,7 +73,7 @@ bool pages_keep(pages *p, uint32_t index, uint64_t contents) {
 }
 
 bool pages_full(const pages *p, float share) {
-    return (float)p->used_now > share * (float)p->capacity;
+    return (float)p->used_now > share * (float)PAGES_MAX;
 }
 
 static uint64_t mix(uint64_t h) {
@@ -145,7 +144,7 @@ bool pages_want_bounds(pages *p, gpu *g) {
         return true;
     }
     p->copies_bounds = calloc(p->copy_capacity, sizeof *p->copies_bounds);
-    p->known = calloc(p->capacity, sizeof *p->known);
+    p->known = calloc(PAGES_MAX, sizeof *p->known);
     if (!p->copies_bounds || !p->known) {
         free(p->copies_bounds);
         free(p->known);
@@ -154,7 +153,7 @@ bool pages_want_bounds(pages *p, gpu *g) {
         g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    if (!gpu_buffer_init(g, &p->bounds, p->capacity * sizeof(velum_page_bounds),
+    if (!gpu_buffer_init(g, &p->bounds, PAGES_MAX * sizeof(velum_page_bounds),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_DEVICE)) {
         free(p->copies_bounds);
         free(p->known);
@@ -162,7 +161,7 @@ bool pages_want_bounds(pages *p, gpu *g) {
         p->known = NULL;
         return false;
     }
-    for (uint32_t i = 0; i < p->capacity; i++) {
+    for (uint32_t i = 0; i < PAGES_MAX; i++) {
         evict(p, i);
     }
     p->has_bounds = true;
@@ -179,7 +178,7 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
         }
     }
     uint32_t oldest = VELUM_PAGE_NONE;
-    for (uint32_t i = 0; i < p->capacity; i++) {
+    for (uint32_t i = 0; i < PAGES_MAX; i++) {
         if (p->page[i].frame != p->frame && (oldest == VELUM_PAGE_NONE || p->page[i].frame < p->page[oldest].frame)) {
             oldest = i;
             if (p->page[i].contents == 0) {

@@ -34,7 +34,6 @@ void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset); /* null: fu
 
 typedef struct pages {
     gpu_image a, b;
-    uint32_t capacity;
     uint32_t used_now; /* pages asked for in this frame */
     uint64_t frame;
     uint64_t uploaded; /* since creation */

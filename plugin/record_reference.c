@@ -130,31 +130,29 @@ static void next_slice(reference *r, uint32_t limit) {
     }
 }
 
-/* Rounds take what they take; elsewhere the number of paths is what can be chosen, by the time that they take, or,
- * while they do not fill the device, as long as that is not too long. */
-static void adapt(reference *r, const frame_record *record, bool software, bool complete, float ms) {
-    if (ms <= 0.0f || complete == software) {
-        return;
-    }
-    float now = (float)(software ? r->rounds : r->path_room);
-    float wanted = (float)(software ? record->rounds : record->paths) * SLICE_MS / ms;
-    if (!software) {
-        const float most = (float)record->paths * SLICE_MOST_MS / ms;
-        if (record->paths < r->path_room && ms < SLICE_MOST_MS) {
-            return; /* the last of a round is a small one */
-        }
-        if (wanted < PATHS_FULL) {
-            wanted = most < PATHS_FULL ? most : PATHS_FULL;
-        }
-    }
-    const float growth = software ? 2.0f : 4.0f;
+static float adapted(float now, float wanted, float growth) {
     wanted = wanted < growth * now ? wanted : growth * now;
-    wanted = wanted > 0.25f * now ? wanted : 0.25f * now;
-    if (software) {
-        r->rounds = wanted < 16.0f ? 16 : wanted > 1e5f ? 100000 : (uint32_t)wanted;
-    } else {
-        r->path_room = wanted < PATHS_MIN ? PATHS_MIN : wanted > PATHS_MAX ? PATHS_MAX : (uint32_t)wanted;
+    return wanted > 0.25f * now ? wanted : 0.25f * now;
+}
+
+/* Rounds take what they take, on a software device. */
+static void adapt_rounds(reference *r, const frame_record *record, float ms) {
+    const float wanted = adapted((float)r->rounds, (float)record->rounds * SLICE_MS / ms, 2.0f);
+    r->rounds = wanted < 16.0f ? 16 : wanted > 1e5f ? 100000 : (uint32_t)wanted;
+}
+
+/* Elsewhere paths do; while they do not fill the device, as many as do not take too long. */
+static void adapt_paths(reference *r, const frame_record *record, float ms) {
+    if (record->paths < r->path_room && ms < SLICE_MOST_MS) {
+        return; /* the last of a round is a small one */
     }
+    float wanted = (float)record->paths * SLICE_MS / ms;
+    if (wanted < PATHS_FULL) {
+        const float most = (float)record->paths * SLICE_MOST_MS / ms;
+        wanted = most < PATHS_FULL ? most : PATHS_FULL;
+    }
+    wanted = adapted((float)r->path_room, wanted, 4.0f);
+    r->path_room = wanted < PATHS_MIN ? PATHS_MIN : wanted > PATHS_MAX ? PATHS_MAX : (uint32_t)wanted;
 }
 
 void reference_learn(view *v, const frame_record *record, const uint32_t *slice_words, float ms) {
@@ -165,7 +163,12 @@ void reference_learn(view *v, const frame_record *record, const uint32_t *slice_
         return;
     }
     bool complete = slice_words[VELUM_SLICE_DONE] == record->paths;
-    adapt(r, record, gpu_is_software(&v->eye->e->g), complete, ms);
+    const bool software = gpu_is_software(&v->eye->e->g);
+    if (ms > 0.0f && software && !complete) {
+        adapt_rounds(r, record, ms);
+    } else if (ms > 0.0f && !software && complete) {
+        adapt_paths(r, record, ms);
+    }
     r->complete = r->complete || complete;
     if (complete && r->turn + r->turns >= turns_of(r)) {
         v->stats.paths_per_pixel += r->paths_now;
@@ -224,7 +227,7 @@ static void learn_bounds(view *v) {
         for (uint32_t slot = 0; entry[0] != VELUM_TILE_KEY_NONE && slot < VELUM_SLOT_COUNT; slot++) {
             for (int state = 0; state < 2; state++) {
                 uint32_t page = entry[VELUM_TABLE_PAGES + slot] >> 16 * state & 0xffffu;
-                if (page < e->pages.capacity) {
+                if (page < PAGES_MAX) {
                     float own = e->pages.known[page].most[1] * 1.0005f;
                     most[slot] = own > most[slot] ? own : most[slot];
                 }

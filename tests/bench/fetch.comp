@@ -24,8 +24,8 @@ void main() {
     uint groups = input_words[ACROSS] / 8u;
     uvec2 at = uvec2(group % groups, group / groups) * 8u +
                uvec2((part & 1u) * 4u + (lane & 3u), (part >> 1u) * 2u + (lane >> 2u));
-    vec2 turn = (vec2(at) - 0.5 * float(input_words[ACROSS])) * uintBitsToFloat(input_words[ANGLE]);
     at.y %= 96u; /* the same picture again and again */
+    vec2 turn = (vec2(at) - 0.5 * float(input_words[ACROSS])) * uintBitsToFloat(input_words[ANGLE]);
     /* No axis of the texture lies along the rays. */
     vec3 direction = normalize(vec3(0.612, 0.436, 0.660) + turn.x * vec3(0.733, 0.0, -0.680) + vec3(0.0, turn.y, 0.0));
     vec3 stride = direction * uintBitsToFloat(input_words[STEP]);

@@ -2,9 +2,9 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "asked_device.h"
 #include "core/geodesy.h"
 
 void fixture_log(void *context, int32_t severity, const char *object, const char *message) {
@@ -32,16 +32,11 @@ void fixture_tables(fixture *f) {
 }
 
 int32_t fixture_device(void) {
-    const char *wanted = getenv("VELUM_TEST_DEVICE");
-    if (!wanted) {
-        return VELUM_DEVICE_CPU;
+    int32_t index;
+    if (!asked_device(&index)) {
+        fail_msg("VELUM_TEST_DEVICE: expected the index of a device");
     }
-    char *end = NULL;
-    const long index = strtol(wanted, &end, 10);
-    if (end == wanted || *end || index < 0) {
-        fail_msg("VELUM_TEST_DEVICE: found '%s', expected the index of a device", wanted);
-    }
-    return (int32_t)index;
+    return index < 0 ? VELUM_DEVICE_CPU : index;
 }
 
 velum_engine *fixture_engine(fixture *f, bool validate) {
@@ -53,7 +48,7 @@ velum_engine *fixture_engine(fixture *f, bool validate) {
                                         .log_context = f,
                                         .device = fixture_device()};
     velum_result result = f->standalone_api->create_engine(&desc, &engine);
-    if (result == VELUM_ERROR_UNSUPPORTED && !getenv("VELUM_TEST_DEVICE")) {
+    if (result == VELUM_ERROR_UNSUPPORTED && desc.device == VELUM_DEVICE_CPU) {
         f->world_api->destroy(f->world);
         print_message("skipped: no Vulkan device: %s\n", f->newest);
         skip();

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "../asked_device.h"
+
 typedef struct compute_buffer {
     VkBuffer buffer;
     VkDeviceMemory memory;
@@ -26,14 +28,13 @@ static bool choose_physical(compute_device *device, char reason[256]) {
         snprintf(reason, 256, "no Vulkan device");
         return false;
     }
-    const char *wanted = getenv("VELUM_TEST_DEVICE");
-    char *end = NULL;
-    unsigned long index = wanted ? strtoul(wanted, &end, 10) : 0;
-    if (wanted && (end == wanted || *end || index >= count)) {
-        snprintf(reason, 256, "VELUM_TEST_DEVICE=%.32s: there are devices 0 to %u", wanted, count - 1);
+    int32_t asked;
+    if (!asked_device(&asked) || asked >= (int32_t)count) {
+        snprintf(reason, 256, "VELUM_TEST_DEVICE: there are devices 0 to %u", count - 1);
         return false;
     }
-    for (uint32_t i = 0; i < count && !wanted; i++) {
+    uint32_t index = asked < 0 ? 0 : (uint32_t)asked;
+    for (uint32_t i = 0; i < count && asked < 0; i++) {
         VkPhysicalDeviceProperties properties;
         vkGetPhysicalDeviceProperties(found[i], &properties);
         if (properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU && properties.apiVersion >= VK_API_VERSION_1_3) {
