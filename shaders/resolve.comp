@@ -484,7 +484,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     }
     shown = result.light;
     if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
-        vec4 slack = (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
+        /* As history itself is: see held. */
+        vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
         shown = evened(shown, old_pixel, stood_beside, low - slack, high + slack, ended);
     }
