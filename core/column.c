@@ -166,7 +166,7 @@ static double smooth(double low, double high, double x) {
 
 /* What is left at the very edge: of a sheet's thickness, and of a storm's. */
 #define EDGE_THICKNESS_M 200.0f
-#define EDGE_STORM_SHARE 0.25f
+#define EDGE_STORM_SHARE 0.15f
 /* Sheets thin out towards it by a power of fullness, between these two. */
 #define EDGE_FULL 0.9f
 #define EDGE_LEAST_FULL 0.1f
@@ -185,7 +185,7 @@ float core_blend_top(uint32_t slot, const float *field) {
     float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
     float edge = slot == VELUM_SLOT_STORM ? EDGE_STORM_SHARE * thickness
                                           : fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
-    float t = slot == VELUM_SLOT_STORM ? full * (2.0f - full) : full * full;
+    float t = full * full;
     return field[CORE_FIELD_BASE] + edge + (thickness - edge) * t;
 }
 
@@ -203,6 +203,11 @@ static float sheet_share(uint32_t slot, float kind) {
     case VELUM_SLOT_HIGH: return velum_clamp(2.0f - 2.0f * kind, 0.0f, 1.0f);
     default: return 0.0f;
     }
+}
+
+float core_blend_fall(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    return field[CORE_FIELD_FALL] * full * full;
 }
 
 float core_blend_log_extinction(uint32_t slot, const float *field) {

@@ -92,7 +92,8 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
     out.value[TEXEL_SCUD] = unorm(velum_clamp(field[CORE_FIELD_SCUD] * scale, 0.0f, 1.0f));
     out.value[TEXEL_TRANSITION] =
         unorm(velum_clamp(field[CORE_FIELD_TRANSITION] * scale / VELUM_TEXEL_TRANSITION_RANGE_M, 0.0f, 1.0f));
-    out.value[TEXEL_FALL] = unorm(velum_clamp(fall * scale / VELUM_TEXEL_FALL_RANGE, 0.0f, 1.0f));
+    out.value[TEXEL_FALL] =
+        unorm(velum_clamp(core_blend_fall(slot, field) * scale / VELUM_TEXEL_FALL_RANGE, 0.0f, 1.0f));
     out.value[TEXEL_FALL_KIND] = fall > 0.0f ? unorm(velum_clamp(field[CORE_FIELD_FALL_KIND] / fall, 0.0f, 1.0f)) : 0;
     return out;
 }

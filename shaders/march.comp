@@ -23,6 +23,8 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+/* Along a ray over tops, m a metre over them. */
+const float top_way = 0.5;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */
 const float rare_least = 0.3;
 /* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as
@@ -220,6 +222,8 @@ void main() {
         float gap = min(max(least_excess(hit, threshold, ways_m.x, texel_m) - hit.excess, 0.0) * ways_m.x, texel_m);
         float clear = covered ? max(min(max(-hit.margin, 0.0) * ways_m.y, texel_m), gap) : 0.0;
         float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
+        /* Tops may rise before a ray over them, at the edges of regions as fast as walls. */
+        climb = h > hit.span_m.y ? min(climb, top_way * (h - hit.span_m.y)) : climb;
         bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
         /* Where bounds are known, steps begin there, and are sampled by their offset; ranks are not known as well. */
         float own = f.coverage <= 0.0 ? reach_m.y + hit.before_m : (within || hangs ? gap : climb + hit.before_m);
