@@ -121,6 +121,7 @@ void main() {
     float short_until = 0.0;
     float longest = 1.0e9; /* long step, by the layers last met */
     float allowed = 1.0e9; /* by those that this step meets */
+    float stride = 1.0e9;  /* and what they let it advance by: beside a cloud, less than its length */
     float settled = position; /* light and transmittance hold up to here */
 
     profile_memo memo = profile_none();
@@ -238,28 +239,33 @@ void main() {
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
         allowed = looking ? min(allowed, layer_m) : allowed;
+        /* A long step would pass over a cloud's edge. */
+        float least_m = within && !found && !is_short ? clamp(1.5 * gap, 0.3 * dt, dt) : dt;
+        float own_stride = covered ? clamp(clear, least_m, STUDIED(max(dt, long_dt), long_dt)) : least_m;
+        stride = within ? min(stride, own_stride) : stride;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
         if (passes) {
             found = false;
             longest = allowed;
             allowed = 1.0e9;
+            stride = 1.0e9;
             advance = 1.0e9;
             done = 0u;
         } else if (found && !is_short && !uniform_layer && !glides) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
+            stride = 1.0e9;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
             short_until = found && !glides ? max(short_until, position + 0.6 * long_dt) : short_until;
             settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
-            /* Beside a cloud, shorter ones: a long step would pass over its edge. */
-            float share = within && !found && !is_short ? clamp(1.5 * gap / dt, 0.3, 1.0) : 1.0;
-            float stride = covered ? clamp(clear, dt * share, STUDIED(max(dt, long_dt), long_dt)) : dt * share;
             longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
             allowed = 1.0e9;
+            stride = stride < 1.0e8 ? stride : dt;
             float moved_m = STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
+            stride = 1.0e9;
             position += moved_m;
 #ifdef VELUM_FRINGED
             room -= moved_m;
