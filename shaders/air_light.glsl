@@ -158,7 +158,7 @@ vec4 shade_at(float height_m) {
 
 /* Of the clear sky's light, what comes through the clouds over a height: from high up. Of a low sun's sky they hide the
  * horizon, which is red. Fitted to the reference, to air under clouds at dusk. */
-const vec2 low_sky_hidden = vec2(0.80, 0.50); /* red, green */
+const vec2 low_sky_hidden = vec2(0.93, 0.50); /* red, green */
 vec3 sky_under(vec4 shade, float mu_sun) {
     vec2 hidden = low_sky_hidden * (1.0 - velum_aside_of(mu_sun));
     return shade.w * exp2(log2(max(shade.w, 1e-6)) * vec3(hidden, 0.0));
@@ -359,8 +359,9 @@ float air_node(float share, float way_m, float low_m, float steep) {
     return share < before ? low * (1.0 - bent) : low + (way_m - low) * bent;
 }
 
-/* Air and fog from offset o along d. */
-air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow) {
+/* Air and fog from offset o along d; `veiled`: what lies beyond the clouds above is seen through them, of whose sky's flux
+ * so much comes through; 0: as if there were none. */
+air_light air_march_under(vec3 o, vec3 d, float distance_m, int steps, bool with_glow, float veiled) {
     air_light result = air_light(vec3(0.0), vec3(1.0), vec3(1.0));
     if (eye.ground.w == 0.0) {
         return result;
@@ -409,12 +410,17 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
         vec3 dims = extinction - vec3(haze_ahead * haze);
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
-        result.luminance += result.reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
+        float seen = veiled > 0.0 ? min(veiled / max(shade_at(p.height_m).w, 1e-3), 1.0) : 1.0;
+        result.luminance += seen * result.reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
         result.reaches *= step_t;
         result.transmittance *= exp(-extinction * dt);
     }
     result.luminance *= eye.sun_lx.rgb;
     return result;
+}
+
+air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow) {
+    return air_march_under(o, d, distance_m, steps, with_glow, 0.0);
 }
 
 /* The sky table: azimuth from the sun (0..pi, symmetric) and elevation, finer towards the horizon; its last columns hold

@@ -24,7 +24,7 @@ const float short_share = 0.18;
  * they are deep. */
 const float layer_share = 0.15;
 /* Along a ray over tops, m a metre over them. */
-const float top_way = 0.5;
+const float top_way = 0.25;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */
 const float rare_least = 0.3;
 /* The first steps are shorter, and each is longer than the last by this share of the way: around the eye, cloud is as

@@ -70,7 +70,7 @@ vec3 ambient(int index) {
     float mu_sun = dot(up, eye.sun.xyz);
     vec4 here = shade_at(height_m);
     vec3 from_ground = ground_luminance(mu_sun);
-    /* The sky's light through clouds is the air's under them. */
+    /* Of the sun, by all the air's way to here. */
     vec3 from_above = sunlit_luminance(height_m, mu_sun) * here.y;
     /* The clouds below stand about half way to the ground. */
     float cloud_m = 0.5 * height_m;
@@ -84,12 +84,12 @@ vec3 ambient(int index) {
         vec3 d = side * (s * cos(a)) + across * (s * sin(a)) + up * (below ? -c : c);
         float start;
         float distance_m = air_distance(o, d, below, start);
-        air_light light = air_march(o + d * start, d, distance_m, 8, true);
+        air_light light = air_march_under(o + d * start, d, distance_m, 8, true, below ? 0.0 : max(here.w, 1e-4));
         vec3 luminance = light.luminance;
         if (below) {
             luminance += light.reaches * (from_ground * (1.0 - here.z) + from_cloud);
         } else {
-            luminance += light.reaches * from_above;
+            luminance += from_above;
         }
         sum += (even ? 2.0 * c : 1.0) * luminance;
     }

@@ -32,10 +32,15 @@ VELUM_FN float velum_aside_of(float mu_sun) {
     return VELUM_MIN(VELUM_MAX(mu_sun, 0.0f) * (1.0f / VELUM_ASIDE_LOW), 1.0f);
 }
 
+/* Of what a sun on the horizon sends into the sides of clouds, over the sky that they leave. Fitted to the reference, to
+ * cumulus, stratocumulus and altocumulus at dusk. */
+#define VELUM_SIDES_SHARE 0.42f
+
 VELUM_STRUCT(velum_layer_light) {
     float open;    /* share of the sun's beam that passes the layer above a height, or nearly keeps its way in it */
     float through; /* share of its flux that comes through otherwise */
     float aside;   /* share of it that leaves the clouds sideways and comes down between them */
+    float sides;   /* share of it, of a low sun, that meets the sides of clouds, which send it down between them */
 };
 
 /* `seen_m`: so far along the way the cloud is known, and none of it counts; 0: nothing is known. */
@@ -51,7 +56,9 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
     float straight = VELUM_EXP(-VELUM_TURNING_SHARE * depth / VELUM_MAX(mu_sun, 0.02f));
     light.open = unmet + (1.0f - unmet) * straight;
     light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
-    light.aside = VELUM_ASIDE_SHARE * velum_aside_of(mu_sun) * unmet * (1.0f - light.open - light.through);
+    float rest = VELUM_MAX(1.0f - light.open - light.through, 0.0f);
+    light.aside = VELUM_ASIDE_SHARE * velum_aside_of(mu_sun) * unmet * rest;
+    light.sides = VELUM_SIDES_SHARE * (1.0f - velum_aside_of(mu_sun)) * (1.0f - f.coverage) * rest;
     return light;
 }
 

@@ -6,11 +6,24 @@
 
 enum { WIDTH = 32, HEIGHT = 8, SETTLE = 32 };
 
-static void commit_region(fixture *f, double half_m, double transition_m) {
-    velum_layer cumulus = fixture_cumulus();
-    cumulus.coverage = 0.9f;
-    cumulus.base_m = 1200.0f;
-    cumulus.top_m = 2600.0f;
+static velum_layer cumulus(void) {
+    velum_layer layer = fixture_cumulus();
+    layer.coverage = 0.9f;
+    layer.base_m = 1200.0f;
+    layer.top_m = 2600.0f;
+    return layer;
+}
+
+static velum_layer storm(void) {
+    velum_layer layer = fixture_cumulus();
+    layer.genus = VELUM_GENUS_CB;
+    layer.coverage = 1.0f;
+    layer.base_m = 1100.0f;
+    layer.top_m = 11000.0f;
+    return layer;
+}
+
+static void commit_region(fixture *f, const velum_layer *layer, double half_m, double transition_m) {
     const velum_cell cell = {.struct_size = sizeof cell,
                              .flags = VELUM_CELL_HAS_LAYERS,
                              .id = 1,
@@ -20,21 +33,22 @@ static void commit_region(fixture *f, double half_m, double transition_m) {
                              .half_east_m = half_m,
                              .half_north_m = half_m,
                              .transition_m = transition_m,
-                             .layers = &cumulus,
+                             .layers = layer,
                              .layer_count = 1};
     const velum_state_desc state = {.struct_size = sizeof state, .cells = &cell, .cell_count = 1};
     uint64_t id = 0;
     assert_int_equal(f->world_api->commit(f->world, &state, &id), VELUM_OK);
 }
 
-/* Northward on the region from so far south of it: share of the pixels in which picture and query agree on opaque or
+/* Northward on the region from so far south of it, that high: share of the pixels in which picture and query agree on opaque or
  * clear; *cloud: share that the query calls opaque. */
-static double agreement(fixture *f, velum_view *view, double half_m, double distance_m, double *cloud) {
+static double agreement(fixture *f, velum_view *view, double half_m, double distance_m, double height_m,
+                        double *cloud) {
     double east[3], north[3], up[3];
     double lat_deg = 50.0 - distance_m / 111229.0;
     fixture_axes(lat_deg, 8.0, east, north, up);
     velum_eye_frame eye = {.struct_size = sizeof eye, .flags = VELUM_EYE_RESET, .eye = f->eye};
-    fixture_position(lat_deg, 8.0, 1900.0, eye.position_ecef_m);
+    fixture_position(lat_deg, 8.0, height_m, eye.position_ecef_m);
     const float tan_x = (float)(1.1 * half_m / distance_m);
     const velum_view_frame camera = fixture_camera(eye.position_ecef_m, north, east, tan_x, tan_x * HEIGHT / WIDTH);
     const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
@@ -82,14 +96,15 @@ static void seen_from_afar(void **state) {
     fixture f;
     fixture_init(&f, false);
     velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
+    const velum_layer heap = cumulus();
     for (int r = 0; r < 4; r++) {
-        commit_region(&f, halves_m[r], transitions_m[r]);
+        commit_region(&f, &heap, halves_m[r], transitions_m[r]);
         for (int d = 0; d < 5; d++) {
             if (distances_m[d] < 3.0 * halves_m[r] || halves_m[r] / distances_m[d] < 0.03) {
                 continue; /* within it, or of few rays */
             }
             double cloud = 0.0;
-            double alike = agreement(&f, view, halves_m[r], distances_m[d], &cloud);
+            double alike = agreement(&f, view, halves_m[r], distances_m[d], 1900.0, &cloud);
             print_message("region of %g m and %g m of transition from %g m: %.1f %% opaque, %.1f %% alike\n",
                           2.0 * halves_m[r], transitions_m[r], distances_m[d], 100.0 * cloud, 100.0 * alike);
             assert_true(cloud > 0.2);
@@ -100,7 +115,33 @@ static void seen_from_afar(void **state) {
     fixture_finish(&f);
 }
 
+/* A storm's towers sink from its middle to its edge as fast as walls: rays over the low ones meet the high ones behind.
+ */
+static void storms_have_all_of_their_tops(void **state) {
+    (void)state;
+    static const double distances_m[] = {30000.0, 45000.0};
+    static const double heights_m[] = {5000.0, 7000.0, 9000.0};
+    const double half_m = 500.0;
+    const double transition_m = 4000.0;
+    const velum_layer towers = storm();
+    fixture f;
+    fixture_init(&f, false);
+    velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
+    commit_region(&f, &towers, half_m, transition_m);
+    for (int i = 0; i < 6; i++) {
+        double cloud = 0.0;
+        double alike = agreement(&f, view, 0.4 * transition_m, distances_m[i / 3], heights_m[i % 3], &cloud);
+        print_message("storm from %g m, %g m high: %.1f %% opaque, %.1f %% alike\n", distances_m[i / 3],
+                      heights_m[i % 3], 100.0 * cloud, 100.0 * alike);
+        assert_true(cloud > 0.1);
+        assert_true(alike > 0.95);
+    }
+    assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
+    fixture_finish(&f);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(seen_from_afar)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(seen_from_afar),
+                                       cmocka_unit_test(storms_have_all_of_their_tops)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

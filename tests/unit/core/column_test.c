@@ -474,9 +474,8 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
     core_column c = column_at(state, lat, lon, 76.0);
     assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
-    /* Half full, towers are a quarter of the storm's height and three quarters of (2 - 1/2) / 2 of the rest, and lose
-     * the anvil. */
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.25f + 0.75f * 0.75f), 0.5f);
+    /* Half full, towers are 0.15 of the storm's height and a quarter of the rest, and lose the anvil. */
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.15f + 0.85f * 0.25f), 0.5f);
     assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, 0.25f * VELUM_KIND_CB, 1e-3f);
     assert_float_equal(c.slot[VELUM_SLOT_STORM].extinction_1_m, storm_1_m, 1e-4f * storm_1_m);
     core_state_unref(state);
