@@ -293,7 +293,7 @@ const float storm_walls = 0.26, shaft_walls = 0.6; /* ... and what their flanks 
 const float field_share = 3.0;
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
-const float storm_turned = 0.72, storm_meets = 0.51;
+const float storm_turned = 0.80, storm_meets = 0.58;
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.52;   /* how far aside, m a metre down, what is seen between storms is their walls */
