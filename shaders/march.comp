@@ -23,6 +23,8 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+/* Of a layer's thickness, along a ray that comes in through its base; but no shorter than this share of the shortest. */
+const float foot_share = 0.02, foot_least = 0.25;
 /* Along a ray over tops, m a metre over them. */
 const float top_way = 0.25;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */
@@ -235,6 +237,10 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         --left;
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
+        /* Over a base rims are thin: steps from there on grow by and by. */
+        float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
+        float in_m = rise > 0.0 && h1 > hit.span_m.x ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
+        layer_m = STUDIED(layer_m, min(layer_m, in_m));
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
