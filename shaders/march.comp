@@ -123,7 +123,8 @@ void main() {
     float short_until = 0.0;
     float longest = 1.0e9; /* long step, by the layers last met */
     float allowed = 1.0e9; /* by those that this step meets */
-    float stride = 1.0e9;  /* and what they let it advance by: beside a cloud, less than its length */
+    float stride = 1.0e9;  /* and what they let it advance by: beside a cloud, less than its length... */
+    bool counted = false;  /* ... but all of it where one of them has counted for all of it */
     float settled = position; /* light and transmittance hold up to here */
 
     profile_memo memo = profile_none();
@@ -240,7 +241,7 @@ void main() {
         /* Over a base rims are thin: steps from there on grow by and by. */
         float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
         float in_m = rise > 0.0 && h1 > hit.span_m.x ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
-        layer_m = STUDIED(layer_m, min(layer_m, in_m));
+        layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
         layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
@@ -255,6 +256,7 @@ void main() {
             longest = allowed;
             allowed = 1.0e9;
             stride = 1.0e9;
+            counted = false;
             advance = 1.0e9;
             done = 0u;
         } else if (found && !is_short && !uniform_layer && !glides) {
@@ -262,6 +264,7 @@ void main() {
             position = max(at - dt, settled);
             found = false;
             stride = 1.0e9;
+            counted = false;
             advance = 1.0e9;
             done = 0u;
         } else if (meets == 0u) {
@@ -270,8 +273,10 @@ void main() {
             longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
             allowed = 1.0e9;
             stride = stride < 1.0e8 ? stride : dt;
-            float moved_m = STUDIED(found || study_flag(VELUM_STUDY_STEP_THROUGH), found) ? dt : max(stride, advance);
+            bool whole = found || counted;
+            float moved_m = STUDIED(whole || study_flag(VELUM_STUDY_STEP_THROUGH), whole) ? dt : max(stride, advance);
             stride = 1.0e9;
+            counted = false;
             position += moved_m;
 #ifdef VELUM_FRINGED
             room -= moved_m;
@@ -279,6 +284,7 @@ void main() {
             advance = 1.0e9;
             done = 0u;
         }
+        counted = counted || (found && meets != 0u);
         extinction = found ? extinction : 0.0;
         alive = position < end && left > 0;
 
