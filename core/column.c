@@ -167,6 +167,8 @@ static double smooth(double low, double high, double x) {
 /* What is left at the very edge: of a sheet's thickness, and of a storm's. */
 #define EDGE_THICKNESS_M 200.0f
 #define EDGE_STORM_SHARE 0.15f
+/* Storms sink below this fullness: it is less, too, where one of 0.3 of coverage gives way to one of all. */
+#define EDGE_STORM_FULL 0.7f
 /* Sheets thin out towards it by a power of fullness, between these two. */
 #define EDGE_FULL 0.9f
 #define EDGE_LEAST_FULL 0.1f
@@ -177,21 +179,30 @@ float core_blend_fullness(const float *field) {
     return field[CORE_FIELD_FULL] > c * c ? c * c / field[CORE_FIELD_FULL] : 1.0f;
 }
 
+static float storm_fullness(const float *field) {
+    return fminf(core_blend_fullness(field) / EDGE_STORM_FULL, 1.0f);
+}
+
 float core_blend_top(uint32_t slot, const float *field) {
-    float full = core_blend_fullness(field);
+    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : core_blend_fullness(field);
     if (slot >= VELUM_SLOT_UNIFORM || full > 1.0f - 1e-5f) {
         return field[CORE_FIELD_TOP];
     }
     float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
     float edge = slot == VELUM_SLOT_STORM ? EDGE_STORM_SHARE * thickness
                                           : fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
-    float t = full * full;
-    return field[CORE_FIELD_BASE] + edge + (thickness - edge) * t;
+    return field[CORE_FIELD_BASE] + edge + (thickness - edge) * full * full;
 }
 
 float core_blend_kind(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : 1.0f;
     return field[CORE_FIELD_KIND] * full * full;
+}
+
+/* The fourth root of the rate: it rains from the heart. */
+float core_blend_fall(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : 1.0f;
+    return field[CORE_FIELD_FALL] * full * full;
 }
 
 /* Of sheets and veils; heaps, cells, rolls and grains stay as dense as they are. */
@@ -203,11 +214,6 @@ static float sheet_share(uint32_t slot, float kind) {
     case VELUM_SLOT_HIGH: return velum_clamp(2.0f - 2.0f * kind, 0.0f, 1.0f);
     default: return 0.0f;
     }
-}
-
-float core_blend_fall(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
-    return field[CORE_FIELD_FALL] * full * full;
 }
 
 float core_blend_log_extinction(uint32_t slot, const float *field) {

@@ -70,7 +70,7 @@ vec3 ambient(int index) {
     float mu_sun = dot(up, eye.sun.xyz);
     vec4 here = shade_at(height_m);
     vec3 from_ground = ground_luminance(mu_sun);
-    /* Of the sun, by all the air's way to here. */
+    /* The sun's way to here holds all of the air: what clouds turn of it is not dimmed again. */
     vec3 from_above = sunlit_luminance(height_m, mu_sun) * here.y;
     /* The clouds below stand about half way to the ground. */
     float cloud_m = 0.5 * height_m;

@@ -69,8 +69,8 @@ VELUM_FN float velum_shade_albedo(float reflected, float ground, float mean) {
 }
 
 /* By height: x, the share of the sun's beam that passes between the clouds above; y, of its flux that comes through
- * them and aside of them; z, the reflectance of the clouds below; w, the share of the sky's flux that passes the clouds
- * above. Levels at heights VELUM_SHADE_TOP_M (i / last)^2. */
+ * them, aside of them and from their sides; z, the reflectance of the clouds below; w, the share of the sky's flux that
+ * passes the clouds above. Levels at heights VELUM_SHADE_TOP_M (i / last)^2. */
 #define VELUM_SHADE_TOP_M 20000.0f
 VELUM_FN float velum_shade_level_of(float height_m) {
     return VELUM_SQRT(velum_clamp(height_m / VELUM_SHADE_TOP_M, 0.0f, 1.0f)) * VELUM_TO_FLOAT(VELUM_SHADE_LEVELS - 1);

@@ -40,8 +40,8 @@ static void commit_region(fixture *f, const velum_layer *layer, double half_m, d
     assert_int_equal(f->world_api->commit(f->world, &state, &id), VELUM_OK);
 }
 
-/* Northward on the region from so far south of it, that high: share of the pixels in which picture and query agree on opaque or
- * clear; *cloud: share that the query calls opaque. */
+/* Northward on the region from so far south of it, that high: share of the pixels in which picture and query agree on
+ * opaque or clear; *cloud: share that the query calls opaque. */
 static double agreement(fixture *f, velum_view *view, double half_m, double distance_m, double height_m,
                         double *cloud) {
     double east[3], north[3], up[3];

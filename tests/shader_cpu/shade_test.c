@@ -51,7 +51,8 @@ static void layers_shade_what_is_under_them(void **state) {
     for (float mu = 1.0f; mu > 0.005f; mu *= 0.8f) {
         const velum_layer_light light = velum_layer_light_at(cloud, 200.0f, mu, 0.0f, 800.0f);
         assert_true(light.open >= 0.0f && light.open <= last && light.through >= 0.0f);
-        assert_true(light.aside >= 0.0f && light.open + light.through + light.aside <= 1.0f + 1e-6f);
+        assert_true(light.aside >= 0.0f && light.sides >= 0.0f);
+        assert_true(light.open + light.through + light.aside + light.sides <= 1.0f + 1e-6f);
         last = light.open;
     }
     assert_true(last < 1e-4f);
@@ -61,6 +62,10 @@ static void layers_shade_what_is_under_them(void **state) {
     velum_slot_fields deck = cloud;
     deck.coverage = 1.0f;
     assert_true(velum_layer_light_at(deck, 200.0f, 0.6f, 0.0f, 800.0f).aside < 1e-4f);
+    /* A low sun's light comes down from the sides of clouds that have any, a high sun's otherwise. */
+    assert_true(velum_layer_light_at(cloud, 200.0f, 0.05f, 0.0f, 800.0f).sides > 0.05f);
+    assert_true(velum_layer_light_at(cloud, 200.0f, 0.31f, 0.0f, 800.0f).sides == 0.0f);
+    assert_true(velum_layer_light_at(deck, 200.0f, 0.05f, 0.0f, 800.0f).sides == 0.0f);
     /* Thin cloud takes nothing, and where the way is known nothing is taken twice. */
     velum_slot_fields veil = cloud;
     veil.extinction_1_m = 1e-7f;

@@ -474,10 +474,29 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
     core_column c = column_at(state, lat, lon, 76.0);
     assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
-    /* Half full, towers are 0.15 of the storm's height and a quarter of the rest, and lose the anvil. */
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.15f + 0.85f * 0.25f), 0.5f);
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, 0.25f * VELUM_KIND_CB, 1e-3f);
+    /* Half full, of 0.7 from which on storms sink: towers are 0.15 of the storm's height and a half (5/7 squared) of the
+     * rest, and lose as much of the anvil. */
+    const float half = 25.0f / 49.0f;
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.15f + 0.85f * half), 0.5f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, half * VELUM_KIND_CB, 1e-3f);
     assert_float_equal(c.slot[VELUM_SLOT_STORM].extinction_1_m, storm_1_m, 1e-4f * storm_1_m);
+    core_state_unref(state);
+
+    /* Storms that give way to one of the same height do not sink between. */
+    velum_cell storms[2] = {cell_of(VELUM_CELL_GLOBAL, 2, &both[1], 1), cell_of(VELUM_CELL_RECTANGLE, 1, &both[1], 1)};
+    velum_layer few = tower;
+    few.coverage = 0.3f;
+    storms[0].layers = &few;
+    storms[1].lat_deg = 47.0;
+    storms[1].lon_deg = 11.0;
+    storms[1].half_east_m = storms[1].half_north_m = 20000.0;
+    storms[1].transition_m = 12000.0;
+    velum_state_desc storms_desc = desc_of(storms, 2);
+    state = state_of(&storms_desc, NULL, 1);
+    for (double d = 0.0; d < 40000.0; d += 500.0) {
+        assert_true(core_geodesic_direct(47.0, 11.0, 90.0, d, &lat, &lon));
+        assert_float_equal(column_at(state, lat, lon, 76.0).slot[VELUM_SLOT_STORM].top_m, 9000.0f, 1.0f);
+    }
     core_state_unref(state);
 
     /* Cut sharply it keeps its depth to the edge. */
