@@ -410,7 +410,7 @@ air_light air_march_under(vec3 o, vec3 d, float distance_m, int steps, bool with
         vec3 dims = extinction - vec3(haze_ahead * haze);
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
-        float seen = veiled > 0.0 ? min(veiled / max(shade_at(p.height_m).w, 1e-3), 1.0) : 1.0;
+        float seen = veiled > 0.0 ? min(veiled / max(shade_at(p.height_m).w, 1e-4), 1.0) : 1.0;
         result.luminance += seen * result.reaches * source * (1.0 - step_t) / max(dims, vec3(1e-12));
         result.reaches *= step_t;
         result.transmittance *= exp(-extinction * dt);

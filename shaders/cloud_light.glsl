@@ -193,6 +193,7 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun, float ahead) {
         velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
         left.open = own ? light.open : left.open;
+        /* Storms' own walls are counted apart (wall). */
         left.turned = own ? light.through + (slot == VELUM_SLOT_STORM ? 0.0 : light.sides) : left.turned;
     }
     return left;

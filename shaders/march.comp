@@ -240,7 +240,7 @@ void main() {
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
         /* Over a base rims are thin: steps from there on grow by and by. */
         float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
-        float in_m = rise > 0.0 && h1 > hit.span_m.x ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
+        float in_m = rise > 0.0 && h1 > hit.span_m.x && !hit.smooth_part ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
         layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
@@ -249,7 +249,7 @@ void main() {
         /* A long step would pass over a cloud's edge. */
         float least_m = within && !found && !is_short ? clamp(1.5 * gap, 0.3 * dt, dt) : dt;
         float own_stride = covered ? clamp(clear, least_m, STUDIED(max(dt, long_dt), long_dt)) : least_m;
-        stride = within ? min(stride, own_stride) : stride;
+        stride = looking && f.coverage > 0.0 ? min(stride, within ? own_stride : dt) : stride;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
         if (passes) {
             found = false;
@@ -269,11 +269,11 @@ void main() {
             done = 0u;
         } else if (meets == 0u) {
             short_until = found && !glides ? max(short_until, position + 0.6 * long_dt) : short_until;
-            settled = STUDIED(found || study_crossed(is_short), found) ? position + dt : settled;
+            bool whole = found || counted;
+            settled = STUDIED(whole || study_crossed(is_short), whole) ? position + dt : settled;
             longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
             allowed = 1.0e9;
             stride = stride < 1.0e8 ? stride : dt;
-            bool whole = found || counted;
             float moved_m = STUDIED(whole || study_flag(VELUM_STUDY_STEP_THROUGH), whole) ? dt : max(stride, advance);
             stride = 1.0e9;
             counted = false;

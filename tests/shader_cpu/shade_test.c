@@ -65,6 +65,7 @@ static void layers_shade_what_is_under_them(void **state) {
     /* A low sun's light comes down from the sides of clouds that have any, a high sun's otherwise. */
     assert_true(velum_layer_light_at(cloud, 200.0f, 0.05f, 0.0f, 800.0f).sides > 0.05f);
     assert_true(velum_layer_light_at(cloud, 200.0f, 0.31f, 0.0f, 800.0f).sides == 0.0f);
+    assert_true(velum_layer_light_at(cloud, 200.0f, -0.1f, 0.0f, 800.0f).sides == 0.0f);
     assert_true(velum_layer_light_at(deck, 200.0f, 0.05f, 0.0f, 800.0f).sides == 0.0f);
     /* Thin cloud takes nothing, and where the way is known nothing is taken twice. */
     velum_slot_fields veil = cloud;
