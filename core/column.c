@@ -179,12 +179,19 @@ float core_blend_fullness(const float *field) {
     return field[CORE_FIELD_FULL] > c * c ? c * c / field[CORE_FIELD_FULL] : 1.0f;
 }
 
-static float storm_fullness(const float *field) {
-    return fminf(core_blend_fullness(field) / EDGE_STORM_FULL, 1.0f);
+static float fullness_of(uint32_t slot, const float *field) {
+    float full = core_blend_fullness(field);
+    return slot == VELUM_SLOT_STORM ? fminf(full / EDGE_STORM_FULL, 1.0f) : full;
+}
+
+/* Of what only storms lose towards their edge. */
+static float storm_share(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? fullness_of(slot, field) : 1.0f;
+    return full * full;
 }
 
 float core_blend_top(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : core_blend_fullness(field);
+    float full = fullness_of(slot, field);
     if (slot >= VELUM_SLOT_UNIFORM || full > 1.0f - 1e-5f) {
         return field[CORE_FIELD_TOP];
     }
@@ -195,14 +202,12 @@ float core_blend_top(uint32_t slot, const float *field) {
 }
 
 float core_blend_kind(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : 1.0f;
-    return field[CORE_FIELD_KIND] * full * full;
+    return field[CORE_FIELD_KIND] * storm_share(slot, field);
 }
 
 /* The fourth root of the rate: it rains from the heart. */
 float core_blend_fall(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? storm_fullness(field) : 1.0f;
-    return field[CORE_FIELD_FALL] * full * full;
+    return field[CORE_FIELD_FALL] * storm_share(slot, field);
 }
 
 /* Of sheets and veils; heaps, cells, rolls and grains stay as dense as they are. */

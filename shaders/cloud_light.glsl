@@ -172,7 +172,8 @@ float across_cloud_m(int slot) {
 }
 
 /* Of the sun's light: what other layers leave, beam and flux as one; and of that, on the mean, the beam that passes the
- * layer's own clouds farther off, and the flux that they let through otherwise. `ahead`: coverage far on the way. */
+ * layer's own clouds farther off, and the flux that they let through otherwise or send down from their sides. `ahead`: coverage far on the
+ * way. */
 struct sun_left {
     float others, open, turned;
 };

@@ -251,23 +251,17 @@ void main() {
         float own_stride = covered ? clamp(clear, least_m, STUDIED(max(dt, long_dt), long_dt)) : least_m;
         stride = looking && f.coverage > 0.0 ? min(stride, within ? own_stride : dt) : stride;
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
+        bool goes_back = !passes && found && !is_short && !uniform_layer && !glides;
+        bool ends = passes || goes_back || meets == 0u; /* the step: else its next layer is looked at */
         if (passes) {
             found = false;
             longest = allowed;
             allowed = 1.0e9;
-            stride = 1.0e9;
-            counted = false;
-            advance = 1.0e9;
-            done = 0u;
-        } else if (found && !is_short && !uniform_layer && !glides) {
+        } else if (goes_back) {
             short_until = position + dt;
             position = max(at - dt, settled);
             found = false;
-            stride = 1.0e9;
-            counted = false;
-            advance = 1.0e9;
-            done = 0u;
-        } else if (meets == 0u) {
+        } else if (ends) {
             short_until = found && !glides ? max(short_until, position + 0.6 * long_dt) : short_until;
             bool whole = found || counted;
             settled = STUDIED(whole || study_crossed(is_short), whole) ? position + dt : settled;
@@ -275,16 +269,15 @@ void main() {
             allowed = 1.0e9;
             stride = stride < 1.0e8 ? stride : dt;
             float moved_m = STUDIED(whole || study_flag(VELUM_STUDY_STEP_THROUGH), whole) ? dt : max(stride, advance);
-            stride = 1.0e9;
-            counted = false;
             position += moved_m;
 #ifdef VELUM_FRINGED
             room -= moved_m;
 #endif
-            advance = 1.0e9;
-            done = 0u;
         }
-        counted = counted || (found && meets != 0u);
+        counted = !ends && (counted || found);
+        stride = ends ? 1.0e9 : stride;
+        advance = ends ? 1.0e9 : advance;
+        done = ends ? 0u : done;
         extinction = found ? extinction : 0.0;
         alive = position < end && left > 0;
 

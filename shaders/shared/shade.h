@@ -57,8 +57,9 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
     light.open = unmet + (1.0f - unmet) * straight;
     light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
     float rest = VELUM_MAX(1.0f - light.open - light.through, 0.0f);
-    light.aside = VELUM_ASIDE_SHARE * velum_aside_of(mu_sun) * unmet * rest;
-    float low = mu_sun > 0.0f ? 1.0f - velum_aside_of(mu_sun) : 0.0f;
+    float high = velum_aside_of(mu_sun);
+    float low = mu_sun > 0.0f ? 1.0f - high : 0.0f;
+    light.aside = VELUM_ASIDE_SHARE * high * unmet * rest;
     light.sides = VELUM_SIDES_SHARE * low * (1.0f - f.coverage) * rest;
     return light;
 }

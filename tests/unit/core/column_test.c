@@ -483,14 +483,10 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     core_state_unref(state);
 
     /* Storms that give way to one of the same height do not sink between. */
-    velum_cell storms[2] = {cell_of(VELUM_CELL_GLOBAL, 2, &both[1], 1), cell_of(VELUM_CELL_RECTANGLE, 1, &both[1], 1)};
-    velum_layer few = tower;
-    few.coverage = 0.3f;
-    storms[0].layers = &few;
-    storms[1].lat_deg = 47.0;
-    storms[1].lon_deg = 11.0;
-    storms[1].half_east_m = storms[1].half_north_m = 20000.0;
-    storms[1].transition_m = 12000.0;
+    const velum_layer few = layer_of(VELUM_GENUS_CB, 0.3f, 1000.0f, 9000.0f);
+    velum_cell storms[2] = {cell_of(VELUM_CELL_GLOBAL, 2, &few, 1), cell};
+    storms[1].layers = &tower;
+    storms[1].layer_count = 1;
     velum_state_desc storms_desc = desc_of(storms, 2);
     state = state_of(&storms_desc, NULL, 1);
     for (double d = 0.0; d < 40000.0; d += 500.0) {
