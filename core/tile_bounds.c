@@ -8,6 +8,7 @@
 
 /* Between texels fields are mixed before the profile is formed, which is not quite linear in them. */
 #define SLACK 1.03f
+#define NOWHERE_M 1e9f
 
 static float unit(uint16_t stored) {
     return (float)stored * (1.0f / 65535.0f);
@@ -252,5 +253,18 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
     for (uint32_t i = 0; i < VELUM_PARTS * VELUM_PARTS; i++) {
         uint32_t share = even ? 255 : part(effective, i % VELUM_PARTS, i / VELUM_PARTS, out->most[0]);
         out->parts[i / VELUM_PARTS] |= share << i % VELUM_PARTS * 8;
+    }
+}
+
+void core_tile_fringe_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *out) {
+    const core_tile_slot *from = &tile->slot[slot];
+    const velum_span_m *spans[2] = {&from->hem_m, &from->fall_m};
+    memset(out, 0, sizeof *out);
+    out->most[0] = from->max_scud_1_m + from->max_band_1_m;
+    out->most[1] = from->max_fall_1_m;
+    for (int i = 0; i < 2; i++) {
+        const bool some = spans[i]->low < spans[i]->high;
+        out->height[2 * i] = some ? spans[i]->low : NOWHERE_M;
+        out->height[2 * i + 1] = some ? spans[i]->high : -NOWHERE_M;
     }
 }

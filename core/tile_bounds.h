@@ -8,4 +8,7 @@
 /* Zeroed without cloud of the slot. */
 void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *out);
 
+/* Of its fringe alone. */
+void core_tile_fringe_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *out);
+
 #endif

@@ -89,18 +89,26 @@ static void texels_of(const core_tile *tile, uint32_t slot, const uint16_t *side
     sides[1] = slot < VELUM_SLOT_COUNT ? from->b : from->fringe;
 }
 
-/* Of key, slot and texels. Never 0. */
+static void hash(uint64_t *h, const void *bytes, size_t count) {
+    for (size_t i = 0; i < count; i += 8) {
+        uint64_t word;
+        memcpy(&word, (const char *)bytes + i, sizeof word);
+        *h = (*h ^ word) * 0x9e3779b97f4a7c15u;
+        *h ^= *h >> 32;
+    }
+}
+
+/* Of key, slot and texels; bounds of a fringe depend on its cloud, too. Never 0. */
 static uint64_t contents_of(const core_tile *tile, uint32_t slot) {
     uint64_t h = mix(((uint64_t)tile->key << 8) | slot | 0x5a00000000000000u);
     const uint16_t *sides[2];
     texels_of(tile, slot, sides);
-    for (uint32_t side = 0; side < 2; side++) {
-        for (uint32_t i = 0; i < CORE_TILE_PAGE_BYTES; i += 8) {
-            uint64_t word;
-            memcpy(&word, (const char *)sides[side] + i, sizeof word);
-            h = (h ^ word) * 0x9e3779b97f4a7c15u;
-            h ^= h >> 32;
-        }
+    hash(&h, sides[0], CORE_TILE_PAGE_BYTES);
+    hash(&h, sides[1], CORE_TILE_PAGE_BYTES);
+    if (slot >= VELUM_SLOT_COUNT) {
+        velum_page_bounds bounds;
+        core_tile_fringe_bounds(tile, slot - VELUM_SLOT_COUNT, &bounds);
+        hash(&h, &bounds, sizeof bounds);
     }
     h = mix(h);
     return h ? h : 1;
@@ -204,6 +212,8 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
         velum_page_bounds bounds = {0};
         if (slot < VELUM_SLOT_COUNT) {
             core_tile_bounds(tile, slot, &bounds);
+        } else {
+            core_tile_fringe_bounds(tile, slot - VELUM_SLOT_COUNT, &bounds);
         }
         memcpy(bytes + texels, &bounds, sizeof bounds);
         p->known[oldest] = bounds;

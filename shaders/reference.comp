@@ -131,10 +131,7 @@ void main() {
     bool missing = false;
     air_m = far_m;
     air_1_m = 0.0;
-    tile_forget();
-    for (int slot = 0; slot < process_count; ++slot) {
-        clear_m[slot] = far_m;
-    }
+    bounds_begin();
 
     /* Software devices give up loops after some 65,000 rounds, all loops of an invocation together: a lane stops before
      * that, and goes on where it was in the next dispatch. */

@@ -45,6 +45,7 @@ const uint slot_nowhere = (VELUM_PAGE_NONE << 16u) | VELUM_PAGE_NONE;
 struct slot_tile {
     uint pages;
     float cover;        /* effective coverage at most; 0: no such cloud */
+    float most_1_m;     /* extinction at most; far_m: not known */
     uint even;          /* parts where fields and profile are those below */
     float reach, power; /* of the threshold over height: at least */
     float low, high;    /* lowest base, highest top */
@@ -53,13 +54,14 @@ struct slot_tile {
     velum_slot_fields fields;
     velum_profile profile;
     float slowness;   /* metres over metres of noise, at least; 0: nothing is known */
-    float fade, bend; /* change over a metre at most: of effective coverage; of heights, over thickness */
+    /* Change over a metre at most: of effective coverage; of base and top together; of that, over thickness. */
+    float fade, steep, bend;
 };
 
 slot_tile slot_tile_none() {
     slot_tile s;
     s.pages = slot_nowhere;
-    s.cover = s.reach = s.low = s.high = s.base = s.slowness = s.fade = s.bend = 0.0;
+    s.cover = s.most_1_m = s.reach = s.low = s.high = s.base = s.slowness = s.fade = s.steep = s.bend = 0.0;
     s.power = 1.0;
     s.even = 0u;
     s.parts = uvec4(0u);
@@ -81,9 +83,11 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     velum_page_bounds x = page_bounds[a == VELUM_PAGE_NONE ? b : a];
     float tau = max(abs(eye.weather.z), velum_mixes ? abs(eye.weather.w) : 0.0);
     s.slowness = 1.0 / (1.0 + x.shape.x * tau + x.shape.w);
+    s.most_1_m = x.most.y * 1.0005;
     s.even = x.even.x;
     s.fade = VELUM_FADE_OTHERS * x.shape.y;
-    s.bend = x.shape.z / max(x.height.z - x.height.y, 1.0);
+    s.steep = x.shape.z;
+    s.bend = s.steep / max(x.height.z - x.height.y, 1.0);
     /* What a storm covers depends on its anvil and its height, too. */
     s.fade += slot == VELUM_SLOT_STORM
                   ? x.most.x * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x + VELUM_FADE_BEND * s.bend)
@@ -96,6 +100,7 @@ slot_tile slot_tile_at(const int slot, uint pages) {
                         max(x.height.w, y.height.w));
         /* Winds are mixed by coverages: they may change from one texel to the next. */
         s.slowness = 0.0;
+        s.most_1_m = far_m;
         x.parts = uvec4(0xffffffffu);
         s.even = 0u;
     }
@@ -216,7 +221,10 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float up = VELUM_ANVIL_SLOPE * (p.stem + VELUM_ANVIL_SMOOTH * p.damp * carve);
     float low = 5.0 * carve * (1.0 - p.foot) + VELUM_STEM_SLOPE * p.stem;
     float down = p.reach * p.power * pow(max(z, 1e-3), p.power - 1.0) + low;
-    float along_z = climb * (rise > 0.0 ? up : down) + s.bend * (up + p.reach * p.power + low);
+    /* Where layers may be thin in the tile, they are not about here, half as thick no sooner than after half_m. */
+    float half_m = 0.5 * thickness / max(s.steep, 1e-9);
+    float bend = min(s.bend, 1.0 / half_m);
+    float along_z = climb * (rise > 0.0 ? up : down) + bend * (up + p.reach * p.power + low);
     float cover = max(f.coverage * p.coverage_scale, 1e-4);
     float sharp = velum_mixes ? 1.0 / max(eye.drift.x, 1.0 - eye.drift.x) : 1.0;
     float along_e = slope * sharp * eye.slots[slot].shape_0.w * run / (max(s.slowness, 1e-3) * cover) + s.fade / cover;
@@ -225,6 +233,7 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     along_lump *= velum_mixes ? 1.42 : 1.0;
     float clear = -(margin + VELUM_SLOPE_SLACK / cover + 0.012 * p.amplitude) / (1.2 * (along_z + along_e + along_lump));
     float reach = VELUM_SLOPE_RADIUS * s.slowness / (eye.slots[slot].shape_0.w * max(run, 1e-4));
+    reach = bend < s.bend ? min(reach, half_m) : reach;
     return s.slowness > 0.0 ? min(max(clear, 0.0), reach) : 0.0;
 }
 

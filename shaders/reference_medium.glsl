@@ -39,6 +39,10 @@ bool process_is_there(const int process) {
 float clear_m[process_count];
 /* The tile under the last point that was looked at. */
 tile_place tile_under;
+/* Bounds of the processes, 1/m: over all tiles of the eye; over that one, which hold for held_m along the ray. */
+float all_most_1_m[process_count];
+float own_most_1_m[process_count];
+float held_m;
 
 /* Bounds of a slot over all tiles of the eye. */
 vec2 slot_heights(int slot) {
@@ -61,7 +65,6 @@ vec2 process_heights(const int process) {
     return heights;
 }
 
-/* Its bound, 1/m. */
 float process_most(const int process) {
     float most = 0.0;
     if (process < VELUM_SLOT_COUNT) {
@@ -79,6 +82,7 @@ float process_most(const int process) {
 
 /* At the beginning of a ray. */
 void clear_from(float h, float rise) {
+    held_m = 0.0;
 #define VELUM_CLEAR(n)                                                                                                 \
     if (process_is_there(n)) {                                                                                         \
         vec2 heights = process_heights(n);                                                                             \
@@ -92,14 +96,16 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
     float gone_m = 0.0;
     float most = 0.0;
     float near_m = end_m;
+    bool held = false;
     bool meets = false;
-    for (int i = 0; i < 2 * process_count; ++i) {
+    for (int i = 0; i < 2 * process_count + 1; ++i) {
         most = 0.0;
-        near_m = end_m;
+        held = gone_m < held_m;
+        near_m = held ? min(end_m, held_m) : end_m;
 #define VELUM_BOUND(n)                                                                                                 \
     if (process_is_there(n)) {                                                                                         \
         bool on = clear_m[n] <= gone_m;                                                                                \
-        most += on ? process_most(n) : 0.0;                                                                            \
+        most += on ? (held ? own_most_1_m[n] : all_most_1_m[n]) : 0.0;                                                 \
         near_m = on ? near_m : min(near_m, clear_m[n]);                                                                \
     }
         VELUM_EACH_PROCESS(VELUM_BOUND)
@@ -117,7 +123,7 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
     float pick = choice * most;
 #define VELUM_CHOOSE(n)                                                                                                \
     if (process_is_there(n)) {                                                                                         \
-        float own = clear_m[n] <= gone_m ? process_most(n) : 0.0;                                                      \
+        float own = clear_m[n] <= gone_m ? (held ? own_most_1_m[n] : all_most_1_m[n]) : 0.0;                           \
         bool chosen = own > 0.0 && pick >= 0.0;                                                                        \
         slot = chosen ? n : slot;                                                                                      \
         bound_1_m = chosen ? own : bound_1_m;                                                                          \
@@ -125,6 +131,7 @@ bool cloud_advance(float depth, float end_m, float choice, out float step_m, out
         clear_m[n] = max(clear_m[n] - gone_m, 0.0);                                                                    \
     }
     VELUM_EACH_PROCESS(VELUM_CHOOSE)
+    held_m = max(held_m - gone_m, 0.0);
     return meets;
 }
 
@@ -151,7 +158,7 @@ float slot_extinction(const int slot, slot_tile s, velum_slot_fields f, velum_pr
         }
         /* As far as the ray's slope, the layer's and the planet's curve allow. */
         float beyond_m = max(f.base_m - h, h - f.top_m);
-        float nearing = abs(rise) + s.bend * max(f.top_m - f.base_m, 1.0);
+        float nearing = abs(rise) + s.steep;
         clear = s.slowness > 0.0 && beyond_m > 0.0
                     ? 2.0 * beyond_m / (nearing + sqrt(nearing * nearing + 2.0 * beyond_m / least_radius_m))
                     : 0.0;
@@ -162,14 +169,46 @@ float slot_extinction(const int slot, slot_tile s, velum_slot_fields f, velum_pr
 
 slot_tile slot_tiles[VELUM_SLOT_COUNT];
 
+#ifdef VELUM_FRINGED
+/* Of all hems in the tile, or of all that falls: heights; that of two states together is not known. */
+vec2 fringe_heights[2];
+
+void fringe_learn(const int process) {
+    vec2 heights = vec2(far_m, -far_m);
+    float most = 0.0;
+    for (uint rest = tile_under.parts & fringes_of(process); rest != 0u; rest &= rest - 1u) {
+        uint slot = uint(findLSB(rest)) & uint(VELUM_SLOT_COUNT - 1);
+        uint pages = table[tile_under.fringe + slot];
+        uint clouds = table[tile_under.entry + VELUM_TABLE_PAGES + slot];
+        bool one = !velum_mixes || ((pages >> 16u) == (pages & 0xffffu) && (clouds >> 16u) == (clouds & 0xffffu));
+        velum_page_bounds x = page_bounds[one ? pages & 0xffffu : 0u];
+        vec2 span = process == process_hem ? x.height.xy : x.height.zw;
+        span = one ? span + vec2(-margin_m, margin_m) : process_heights(process);
+        heights = vec2(min(heights.x, span.x), max(heights.y, span.y));
+        most += !one ? far_m : (process == process_hem ? x.most.x : x.most.y) * 1.0005;
+    }
+    fringe_heights[process - process_hem] = heights;
+    own_most_1_m[process] = min(most, all_most_1_m[process]);
+}
+#endif
+
 /* What the tile under a lane says of each slot. */
 void tile_learn() {
 #define VELUM_LEARN(n)                                                                                                 \
     if (slot_is_there(n)) {                                                                                            \
         bool kept = (tile_under.mask & (1u << uint(n))) != 0u;                                                         \
         slot_tiles[n] = slot_tile_at(n, kept ? table[tile_under.entry + VELUM_TABLE_PAGES + uint(n)] : slot_nowhere);     \
+        own_most_1_m[n] = min(slot_tiles[n].most_1_m, all_most_1_m[n]);                                                \
     }
     VELUM_EACH_SLOT(VELUM_LEARN)
+#ifdef VELUM_FRINGED
+    if (process_is_there(process_hem)) {
+        fringe_learn(process_hem);
+    }
+    if (process_is_there(process_fall)) {
+        fringe_learn(process_fall);
+    }
+#endif
 }
 
 /* Before the first tile. */
@@ -178,6 +217,17 @@ void tile_forget() {
     for (int slot = 0; slot < VELUM_SLOT_COUNT; ++slot) {
         slot_tiles[slot] = slot_tile_none();
     }
+}
+
+/* Before the first ray. */
+void bounds_begin() {
+    tile_forget();
+    for (int process = 0; process < process_count; ++process) {
+        clear_m[process] = far_m;
+        all_most_1_m[process] = process_is_there(process) ? process_most(process) : 0.0;
+        own_most_1_m[process] = 0.0;
+    }
+    held_m = 0.0;
 }
 
 /* Extinction of a slot at a point, and how far the ray beyond it is clear. */
@@ -221,10 +271,7 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
             extinction = slot_extinction(slot, s, f, profile, rank, slope, r, h, rise, run, beside);
         }
     }
-    for (int once = inside && beside > 0.0 ? 0 : 1; once < 1; ++once) {
-        beside = min(beside, tile_distance(tile_under, r, d, normal));
-    }
-    clear_m[slot] = inside ? beside : reach_heights(h, rise, heights.x, heights.y);
+    clear_m[slot] = inside ? min(beside, held_m) : reach_heights(h, rise, heights.x, heights.y);
     return extinction;
 }
 
@@ -233,12 +280,15 @@ float cloud_at(const int slot, velum_place place, vec3 r, vec3 d) {
 float fringe_at(const int process, velum_place place, vec3 r, vec3 d, float choice, out int slot) {
     vec3 normal = vec3(place.nx, place.ny, place.nz);
     float h = place.height_m;
+    float rise = dot(normal, d);
     vec2 heights = process_heights(process);
+    vec2 own_heights = fringe_heights[process - process_hem];
     bool inside = h >= heights.x && h <= heights.y;
+    bool within = inside && h >= own_heights.x && h <= own_heights.y;
     uint parts = tile_under.parts & fringes_of(process);
     float extinction = 0.0;
     slot = 0;
-    for (uint rest = inside ? parts : 0u; rest != 0u; rest &= rest - 1u) {
+    for (uint rest = within ? parts : 0u; rest != 0u; rest &= rest - 1u) {
         int part = findLSB(rest);
         int own_slot = part & (VELUM_SLOT_COUNT - 1);
         velum_slot_fields f = slot_fields(tile_under, own_slot, true);
@@ -253,11 +303,8 @@ float fringe_at(const int process, velum_place place, vec3 r, vec3 d, float choi
             choice = chosen ? choice / share : (choice - share) / max(1.0 - share, 1e-30);
         }
     }
-    float beside = 0.0;
-    for (int once = inside && parts == 0u ? 0 : 1; once < 1; ++once) {
-        beside = tile_distance(tile_under, r, d, normal);
-    }
-    clear_m[process] = inside ? beside : reach_heights(h, dot(normal, d), heights.x, heights.y);
+    float beside = parts == 0u ? far_m : reach_heights(h, rise, own_heights.x, own_heights.y);
+    clear_m[process] = inside ? min(beside, held_m) : reach_heights(h, rise, heights.x, heights.y);
     return extinction;
 }
 #endif
@@ -271,6 +318,7 @@ float clouds_at(inout int slot, vec3 r, vec3 d, float choice, inout bool missing
     for (int once = tile_under.key != last ? 0 : 1; once < 1; ++once) {
         tile_learn();
     }
+    held_m = tile_distance(tile_under, r, d, vec3(place.nx, place.ny, place.nz));
     float extinction = 0.0;
     const int process = slot;
 #define VELUM_LOOK(n)                                                                                                  \

@@ -41,7 +41,8 @@ VELUM_FN int velum_away_level(float rank) {
 
 #define VELUM_PARTS 4
 
-/* What holds for a slot anywhere in a page. */
+/* What holds for a slot anywhere in a page. Of a page of fringes: most: hem, fall, 1/m; height: lowest and highest of
+ * either, lowest above highest where there is none. */
 VELUM_STRUCT(velum_page_bounds) {
     VELUM_VEC4(most);   /* effective coverage; extinction, 1/m; reach, lowest; power, highest */
     VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */

@@ -65,6 +65,18 @@ static void lean(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     }
 }
 
+/* Base and top together, too. */
+static void steep(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
+    const float step = 0.002f;
+    const float step_m = step * VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
+    const float u = (1.0f - step) * unit(random);
+    const float v = unit(random);
+    const velum_slot_fields a = core_tile_sample(tile, slot, u, v);
+    const velum_slot_fields b = core_tile_sample(tile, slot, u + step, v);
+    const float change_m = fabsf(a.base_m - b.base_m) + fabsf(a.top_m - b.top_m);
+    assert_true(change_m <= bounds->shape[2] * step_m + 0.01f);
+}
+
 /* Margins of covered columns change along the layer by no more than reference_bounds.glsl takes from the bounds. */
 static void fade(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
     const float step = 0.002f;
@@ -141,6 +153,7 @@ static void bounds_hold(void **state) {
                     look(tile, slot, &bounds, &random, &most);
                     lean(tile, slot, &bounds, &random);
                     fade(tile, slot, &bounds, &random);
+                    steep(tile, slot, &bounds, &random);
                 }
                 /* A bound, and not a boundless one. */
                 assert_true(most > 0.25f * bounds.most[1]);
