@@ -265,6 +265,53 @@ static void nothing_is_outside_the_bounds(void **state) {
     }
 }
 
+/* Where a storm gives way it rains from its heart alone: the fourth root of the rate goes with the square of coverage
+ * over seven tenths of that in its middle. A sheet rains as hard as ever up to its edge. */
+static void storms_rain_from_their_hearts(void **state) {
+    (void)state;
+    static const int32_t genera[] = {VELUM_GENUS_CB, VELUM_GENUS_NS};
+    const float full = powf(30.0f, 0.25f);
+    for (size_t k = 0; k < 2; k++) {
+        const uint32_t slot = genera[k] == VELUM_GENUS_CB ? VELUM_SLOT_STORM : VELUM_SLOT_MIDDLE;
+        velum_layer layer = wet_layer(genera[k], 0.8f, 900.0f, 9000.0f, 30.0f, 0.0f);
+        velum_cell cell = cell_of(VELUM_CELL_RECTANGLE, 1, &layer, 1);
+        cell.lat_deg = 30.0;
+        cell.lon_deg = 20.0;
+        cell.half_east_m = cell.half_north_m = 6000.0;
+        cell.transition_m = 20000.0;
+        const velum_state_desc desc = desc_of(&cell, 1);
+        core_state *made = state_of(&desc, NULL, 1);
+        double normal[3];
+        core_normal(30.0, 20.0, normal);
+        const velum_face_place p = velum_face_of((float)normal[0], (float)normal[1], (float)normal[2]);
+        const uint32_t x = (uint32_t)velum_tile_coordinate(p.u, 8);
+        const uint32_t y = (uint32_t)velum_tile_coordinate(p.v, 8);
+        const float row = (floorf((velum_tile_coordinate(p.v, 8) - (float)y) * (float)VELUM_TILE_TEXELS) + 0.5f) /
+                          (float)VELUM_TILE_TEXELS;
+        int heart = 0, flank = 0, edge = 0;
+        for (uint32_t step = 0; step < 3; step++) {
+            core_tile *tile = core_tile_create(made, velum_tile_key(8, (uint32_t)p.face, x + step, y));
+            assert_non_null(tile);
+            for (uint32_t i = 0; i < VELUM_TILE_TEXELS && tile->mask & (1u << slot); i++) {
+                const float at = ((float)i + 0.5f) / (float)VELUM_TILE_TEXELS;
+                const float cover = core_tile_sample(tile, slot, at, row).coverage / 0.8f;
+                const float fall = core_tile_fringe(tile, slot, at, row).fall / full;
+                if (cover < 0.01f) {
+                    continue;
+                }
+                const float share = slot == VELUM_SLOT_STORM ? fminf(cover / 0.7f, 1.0f) : 1.0f;
+                assert_float_equal(fall, share * share, 0.005f);
+                heart += cover > 0.999f;
+                flank += cover > 0.3f && cover < 0.69f;
+                edge += cover < 0.2f;
+            }
+            core_tile_unref(tile);
+        }
+        assert_true(heart > 0 && flank > 0 && edge > 0);
+        core_state_unref(made);
+    }
+}
+
 static void layers_without_it_have_no_pages_of_it(void **state) {
     const fixture *f = *state;
     core_tile *dry = core_tile_create(f->dry, velum_tile_key(5, 0, 7, 9));
@@ -288,6 +335,7 @@ int main(void) {
         cmocka_unit_test(lines_see_what_points_see),
         cmocka_unit_test(bands_thin_out_to_nothing),
         cmocka_unit_test(nothing_is_outside_the_bounds),
+        cmocka_unit_test(storms_rain_from_their_hearts),
         cmocka_unit_test(layers_without_it_have_no_pages_of_it),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
