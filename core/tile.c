@@ -320,8 +320,9 @@ static void store(core_tile_slot *slot, const texel *texels, uint16_t *a, uint16
                 coverage = coverage > from->value[TEXEL_COVERAGE] ? coverage : from->value[TEXEL_COVERAGE];
                 base = base < from->value[TEXEL_BASE] ? base : from->value[TEXEL_BASE];
                 top = top > from->value[TEXEL_TOP] ? top : from->value[TEXEL_TOP];
-                extinction = extinction > from->value[TEXEL_EXTINCTION] ? extinction : from->value[TEXEL_EXTINCTION];
             }
+            /* Filters take what stands where there is no cloud, too. */
+            extinction = extinction > from->value[TEXEL_EXTINCTION] ? extinction : from->value[TEXEL_EXTINCTION];
         }
     }
     slot->a = a;

@@ -165,6 +165,15 @@ void main() {
         clear_m[process_hem] = uintBitsToFloat(lane.media.z);
         clear_m[process_fall] = uintBitsToFloat(lane.media.w);
 #endif
+        for (int i = 0; i < 4; ++i) {
+            own_most_1_m[i] = lane.own_0[i];
+            own_most_1_m[4 + i] = lane.own_4[i];
+        }
+#ifdef VELUM_FRINGED
+        own_most_1_m[process_hem] = lane.held.y;
+        own_most_1_m[process_fall] = lane.held.z;
+#endif
+        held_m = lane.held.x;
         tracked = lane.tracked.xyz;
         air_m = lane.tracked.w;
         light = lane.light.xyz;
@@ -520,6 +529,11 @@ void main() {
         }
         lane.media = uvec4(chosen_media, floatBitsToUint(cloud_weight), FRINGED(floatBitsToUint(clear_m[process_hem]), 0u),
                            FRINGED(floatBitsToUint(clear_m[process_fall]), 0u));
+        for (int i = 0; i < 4; ++i) {
+            lane.own_0[i] = own_most_1_m[i];
+            lane.own_4[i] = own_most_1_m[4 + i];
+        }
+        lane.held = vec4(held_m, FRINGED(own_most_1_m[process_hem], 0.0), FRINGED(own_most_1_m[process_fall], 0.0), 0.0);
         lane.next_d = vec4(next_d, dim);
         lane.next = vec4(next_weight, air_1_m);
         for (int i = 0; i < VELUM_REFERENCE_FLIGHTS; ++i) {

@@ -174,6 +174,7 @@ slot_tile slot_tiles[VELUM_SLOT_COUNT];
 vec2 fringe_heights[2];
 
 void fringe_learn(const int process) {
+    const vec2 all_heights = process_heights(process);
     vec2 heights = vec2(far_m, -far_m);
     float most = 0.0;
     for (uint rest = tile_under.parts & fringes_of(process); rest != 0u; rest &= rest - 1u) {
@@ -183,7 +184,7 @@ void fringe_learn(const int process) {
         bool one = !velum_mixes || ((pages >> 16u) == (pages & 0xffffu) && (clouds >> 16u) == (clouds & 0xffffu));
         velum_page_bounds x = page_bounds[one ? pages & 0xffffu : 0u];
         vec2 span = process == process_hem ? x.height.xy : x.height.zw;
-        span = one ? span + vec2(-margin_m, margin_m) : process_heights(process);
+        span = one ? span + vec2(-margin_m, margin_m) : all_heights;
         heights = vec2(min(heights.x, span.x), max(heights.y, span.y));
         most += !one ? far_m : (process == process_hem ? x.most.x : x.most.y) * 1.0005;
     }

@@ -45,6 +45,8 @@ const float borrowed = 0.75;
 /* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
  * clouds vary as much. */
 const float evened_share = 0.6, evened_rad = 1.2e-3;
+/* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
+const float places_of_steps = 4.0;
 /* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
  * beside them, whatever that is. */
 const float shut = 0.01;
@@ -242,13 +244,16 @@ vec4 light_at_side(ivec2 pixel, vec4 there, vec4 light, vec4 low, vec4 high, boo
     return is_in ? clamp(there, low, high) : light;
 }
 
-/* What is shown of a pixel of a moving view that lies beyond both at its sides, or over and under it: rays step on by
- * offsets of their own, by which edges would be specked. What history holds is the ray's. Orthographic views, whose pixels
- * have no angle, are shown as they are. */
-vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bool ended) {
+/* Of a moving view. Orthographic ones, whose pixels have no angle, are shown as they are. */
+float evened_in_motion() {
     float pixel_rad = (view.up.w - view.right.w) / float(view.size.x);
     float share = evened_share * min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
-    share = view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 0.0 : share;
+    return view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 0.0 : share;
+}
+
+/* What is shown of a pixel that lies beyond both at its sides, or over and under it: rays step on by offsets of their own,
+ * by which edges would be specked. What history holds is the ray's. */
+vec4 evened(vec4 light, float share, ivec2 cell, light_beside beside, vec4 low, vec4 high, bool ended) {
     ivec2 x = ivec2(1, 0);
     ivec2 y = ivec2(0, 1);
     vec4 across = excess_over(light, light_at_side(cell - x, beside.left, light, low, high, ended),
@@ -311,6 +316,36 @@ const vec4 lost = vec4(1.0e4);
 /* Cloud so far away, what the host has drawn. */
 bool hides(vec4 light, float distance_m, float end_m) {
     return light.a < shut && alike_ratio * distance_m < end_m;
+}
+
+/* Of a view that stands; `cell`: where the pixel's history is. Places to step from lie on a checkerboard, and that in
+ * fours: a tent over 3 x 3 pixels leaves nothing of the first and a quarter of the others. */
+vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
+    float share = clamp(places_of_steps - cloud.samples, 0.0, 1.0);
+    if (share <= 0.0) {
+        return cloud.light;
+    }
+    float end_m = end_of(hit_m);
+    ivec2 last = ivec2(view.size.xy) - 1;
+    vec4 sum = 4.0 * cloud.light;
+    for (int k = 0; k < 9; ++k) {
+        ivec2 off = ivec2(k % 3 - 1, k / 3 - 1);
+        ivec2 there = clamp(cell + off, ivec2(0), last);
+        vec4 light = texelFetch(history_in, there, 0);
+        if (has_depth) {
+            vec2 data = texelFetch(history_data_in, there, 0).rg;
+            float distance_m = distance_in(data.x, 1.0 - light.a) * distance_unit_m;
+            float there_hit_m = host_distance(there, ray);
+            float there_m = end_of(there_hit_m);
+            /* Of what the host draws there now. */
+            bool holds = (data.y < 0.0) == (there_hit_m >= 0.0 && light.a >= shut) && distance_m <= 1.02 * there_m;
+            bool fit = hides(light, distance_m, end_m) ||
+                       (holds && (alike(there_m, end_m) || hides(cloud.light, cloud.distance_m, there_m)));
+            light = fit ? light : cloud.light;
+        }
+        sum += k == 4 ? vec4(0.0) : float((2 - abs(off.x)) * (2 - abs(off.y))) * light;
+    }
+    return mix(cloud.light, sum * (1.0 / 16.0), share);
 }
 
 /* `hit_m`: the host's surface; below 0: none. `shown`: light and transmittance in the picture. */
@@ -487,7 +522,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         /* As history itself is: see held. */
         vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
-        shown = evened(shown, old_pixel, stood_beside, low - slack, high + slack, ended);
+        shown = evened(shown, evened_in_motion(), old_pixel, stood_beside, low - slack, high + slack, ended);
+    } else if (!moves || calm_turns() != 0u) {
+        shown = shown_at_rest(result, old_pixel, ray, hit_m);
     }
     return result;
 }
@@ -510,7 +547,7 @@ void main() {
     if (keeps) {
         bool ended;
         cloud = standing_at(pixel, ended);
-        shown = cloud.light;
+        shown = shown_at_rest(cloud, pixel, ray, hit);
     } else {
         cloud = resolve_cloud(pixel, ray, hit, shown);
         uint chance = velum_hash(uint(pixel.x) + (uint(pixel.y) << 16u) + 0x9e3779b9u * view.march_size.w);

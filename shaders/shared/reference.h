@@ -97,6 +97,9 @@ VELUM_STRUCT(velum_reference_lane) {
                               (floats) */
     VELUM_VEC4(next_d);  /* w: below which roulette begins */
     VELUM_VEC4(next);    /* weight; bound of air */
+    VELUM_VEC4(own_0);   /* bounds in the tile: of slots 0 to 3 */
+    VELUM_VEC4(own_4);   /* of slots 4 to 7 */
+    VELUM_VEC4(held);    /* how far they hold; those of scud, of what falls; 0 */
     velum_reference_flight flights[VELUM_REFERENCE_FLIGHTS];
 #ifdef VULKAN
     vec4 chosen[VELUM_REFERENCE_CHAINS]; /* weight, distance */

@@ -146,15 +146,32 @@ static void render_until(slab_rig *rig, const velum_view_frame *camera, const do
     memcpy(copy, rig->light, sizeof rig->light);
 }
 
-/* Cloud of noise, air and ground; again, in two stages, and beside another view: the same bits. */
+/* Cumulus, and ahead a region of denser ones with scud and rain: tiles have bounds of their own. */
+static void commit_showers(fixture *f) {
+    const velum_layer fair = fixture_cumulus();
+    velum_layer wet = fair;
+    wet.water_g_m3 = 4.0f * fair.water_g_m3;
+    wet.scud = 0.8f;
+    wet.precipitation_mm_h = 20.0f;
+    wet.precipitation = VELUM_PRECIPITATION_RAIN;
+    velum_cell cells[2] = {fixture_cell(&fair, 1), fixture_cell(&wet, 1)};
+    cells[1].id = 2;
+    cells[1].kind = VELUM_CELL_RECTANGLE;
+    cells[1].lat_deg = 50.0;
+    cells[1].lon_deg = 8.6;
+    cells[1].half_east_m = cells[1].half_north_m = 4000.0;
+    const velum_state_desc state = {.struct_size = sizeof state, .cells = cells, .cell_count = 2};
+    assert_int_equal(f->world_api->commit(f->world, &state, &f->state), VELUM_OK);
+}
+
+/* Cloud of noise, rain, air and ground; again, in two stages, and beside another view: the same bits. */
 static void pictures_repeat(void **state) {
     (void)state;
     static slab_rig rig;
     static float first[SLAB_PIXELS * 3], again[SLAB_PIXELS * 3], staged[SLAB_PIXELS * 3], beside[SLAB_PIXELS * 3];
     double east[3], north[3], up[3], position[3];
     slab_rig_init(&rig);
-    const velum_layer cloud = fixture_cumulus();
-    fixture_commit(&rig.f, &cloud, 1);
+    commit_showers(&rig.f);
     fixture_axes(50.0, 8.5, east, north, up);
     fixture_position(50.0, 8.5, 3000.0, position);
     double ahead[3];
