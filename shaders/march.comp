@@ -236,7 +236,6 @@ void main() {
         float start_m = position;
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
-        --left;
         float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
         /* Over a base rims are thin: steps from there on grow by and by. */
         float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
@@ -253,6 +252,8 @@ void main() {
         bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
         bool goes_back = !passes && found && !is_short && !uniform_layer && !glides;
         bool ends = passes || goes_back || meets == 0u; /* the step: else its next layer is looked at */
+        /* Layers that the step is not within cost little, and forecasts have many. */
+        left -= ends || hit.sampled ? 1 : 0;
         if (passes) {
             found = false;
             longest = allowed;

@@ -322,13 +322,10 @@ bool hides(vec4 light, float distance_m, float end_m) {
  * fours: a tent over 3 x 3 pixels leaves nothing of the first and a quarter of the others. */
 vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     float share = clamp(places_of_steps - cloud.samples, 0.0, 1.0);
-    if (share <= 0.0) {
-        return cloud.light;
-    }
     float end_m = end_of(hit_m);
     ivec2 last = ivec2(view.size.xy) - 1;
     vec4 sum = 4.0 * cloud.light;
-    for (int k = 0; k < 9; ++k) {
+    for (int k = share > 0.0 ? 0 : 9; k < 9; ++k) {
         ivec2 off = ivec2(k % 3 - 1, k / 3 - 1);
         ivec2 there = clamp(cell + off, ivec2(0), last);
         vec4 light = texelFetch(history_in, there, 0);
