@@ -140,8 +140,71 @@ static void storms_have_all_of_their_tops(void **state) {
     fixture_finish(&f);
 }
 
+/* A low sheet that covers all is seen to the end of every ray at the cheapest preset, whatever other layers a forecast
+ * has: these have hardly any cloud here, and somewhere reach from the ground to over the eye. */
+static void sheets_hold_under_many_layers(void **state) {
+    (void)state;
+    static const int32_t genera[] = {VELUM_GENUS_ST, VELUM_GENUS_SC, VELUM_GENUS_CU, VELUM_GENUS_CB, VELUM_GENUS_AC};
+    enum { LAYERS = sizeof genera / sizeof genera[0] };
+    velum_layer here[LAYERS], there[LAYERS];
+    for (int i = 0; i < LAYERS; i++) {
+        here[i] = there[i] = fixture_cumulus();
+        here[i].genus = there[i].genus = genera[i];
+        here[i].coverage = i == 0 ? 1.0f : 0.04f;
+        here[i].base_m = i == 0 ? 200.0f : 2600.0f + 100.0f * (float)i;
+        here[i].top_m = here[i].base_m + 130.0f;
+        there[i].base_m = 60.0f;
+        there[i].top_m = 3300.0f;
+    }
+    velum_cell cells[2] = {fixture_cell(here, LAYERS), fixture_cell(there, LAYERS)};
+    cells[1].id = 2;
+    cells[1].kind = VELUM_CELL_RECTANGLE;
+    cells[1].lat_deg = 49.6;
+    cells[1].lon_deg = 8.0;
+    cells[1].half_east_m = cells[1].half_north_m = 4000.0;
+    cells[1].transition_m = 8000.0;
+    fixture f;
+    fixture_init(&f, false);
+    const velum_state_desc weather = {.struct_size = sizeof weather, .cells = cells, .cell_count = 2};
+    uint64_t id = 0;
+    assert_int_equal(f.world_api->commit(f.world, &weather, &id), VELUM_OK);
+    const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = VELUM_QUALITY_LOW};
+    velum_eye_frame eye = {.struct_size = sizeof eye, .flags = VELUM_EYE_RESET};
+    assert_int_equal(f.engine_api->create_eye(f.engine, &desc, &eye.eye), VELUM_OK);
+    velum_view *view = fixture_view(&f, eye.eye, WIDTH, HEIGHT);
+    double east[3], north[3], up[3], ahead[3];
+    fixture_axes(50.0, 8.0, east, north, up);
+    fixture_position(50.0, 8.0, 1200.0, eye.position_ecef_m);
+    for (int k = 0; k < 3; k++) {
+        ahead[k] = cos(0.08) * north[k] - sin(0.08) * up[k];
+    }
+    const velum_view_frame camera = fixture_camera(eye.position_ecef_m, ahead, east, 0.2f, 0.05f);
+    const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
+    static float rgb[WIDTH * HEIGHT * 3];
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = view,
+                                 .frame = &camera,
+                                 .transmittance_rgb = rgb,
+                                 .width = WIDTH,
+                                 .height = HEIGHT};
+    for (int i = 0; i < 2 * SETTLE; i++) {
+        assert_int_equal(f.standalone_api->render(f.engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+        eye.flags = 0;
+    }
+    double through = 0.0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        through += (double)rgb[3 * i] / (WIDTH * HEIGHT);
+    }
+    print_message("a closed sheet under many layers lets %.4f through at preset low\n", through);
+    assert_true(through < 0.02);
+    assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
+    assert_int_equal(f.engine_api->destroy_eye(eye.eye), VELUM_OK);
+    fixture_finish(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(seen_from_afar),
+                                       cmocka_unit_test(sheets_hold_under_many_layers),
                                        cmocka_unit_test(storms_have_all_of_their_tops)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
