@@ -40,6 +40,22 @@ static void commit_region(fixture *f, const velum_layer *layer, double half_m, d
     assert_int_equal(f->world_api->commit(f->world, &state, &id), VELUM_OK);
 }
 
+/* So many frames without air; what comes through in the last. */
+static void draw(fixture *f, velum_view *view, const velum_view_frame *camera, const double up[3], velum_eye_frame *eye,
+                 int frames, float rgb[WIDTH * HEIGHT * 3]) {
+    const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
+    const velum_pixels pixels = {.struct_size = sizeof pixels,
+                                 .view = view,
+                                 .frame = camera,
+                                 .transmittance_rgb = rgb,
+                                 .width = WIDTH,
+                                 .height = HEIGHT};
+    for (int i = 0; i < frames; i++) {
+        assert_int_equal(f->standalone_api->render(f->engine, &frame, eye, 1, 0, &pixels, 1, 0), VELUM_OK);
+        eye->flags = 0;
+    }
+}
+
 /* Northward on the region from so far south of it, that high: share of the pixels in which picture and query agree on
  * opaque or clear; *cloud: share that the query calls opaque. */
 static double agreement(fixture *f, velum_view *view, double half_m, double distance_m, double height_m,
@@ -51,18 +67,8 @@ static double agreement(fixture *f, velum_view *view, double half_m, double dist
     fixture_position(lat_deg, 8.0, height_m, eye.position_ecef_m);
     const float tan_x = (float)(1.1 * half_m / distance_m);
     const velum_view_frame camera = fixture_camera(eye.position_ecef_m, north, east, tan_x, tan_x * HEIGHT / WIDTH);
-    const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
     static float rgb[WIDTH * HEIGHT * 3];
-    const velum_pixels pixels = {.struct_size = sizeof pixels,
-                                 .view = view,
-                                 .frame = &camera,
-                                 .transmittance_rgb = rgb,
-                                 .width = WIDTH,
-                                 .height = HEIGHT};
-    for (int i = 0; i < SETTLE; i++) {
-        assert_int_equal(f->standalone_api->render(f->engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
-        eye.flags = 0;
-    }
+    draw(f, view, &camera, up, &eye, SETTLE, rgb);
     int sure = 0;
     int alike = 0;
     int opaque = 0;
@@ -179,18 +185,8 @@ static void sheets_hold_under_many_layers(void **state) {
         ahead[k] = cos(0.08) * north[k] - sin(0.08) * up[k];
     }
     const velum_view_frame camera = fixture_camera(eye.position_ecef_m, ahead, east, 0.2f, 0.05f);
-    const velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_NONE);
     static float rgb[WIDTH * HEIGHT * 3];
-    const velum_pixels pixels = {.struct_size = sizeof pixels,
-                                 .view = view,
-                                 .frame = &camera,
-                                 .transmittance_rgb = rgb,
-                                 .width = WIDTH,
-                                 .height = HEIGHT};
-    for (int i = 0; i < 2 * SETTLE; i++) {
-        assert_int_equal(f.standalone_api->render(f.engine, &frame, &eye, 1, 0, &pixels, 1, 0), VELUM_OK);
-        eye.flags = 0;
-    }
+    draw(&f, view, &camera, up, &eye, 2 * SETTLE, rgb);
     double through = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         through += (double)rgb[3 * i] / (WIDTH * HEIGHT);

@@ -65,26 +65,29 @@ static void lean(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     }
 }
 
-/* Base and top together, too. */
-static void steep(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
+/* Fields of two places side by side; how far apart they are. */
+static float neighbours(const core_tile *tile, uint32_t slot, uint32_t *random, velum_slot_fields *a,
+                        velum_slot_fields *b) {
     const float step = 0.002f;
-    const float step_m = step * VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
     const float u = (1.0f - step) * unit(random);
     const float v = unit(random);
-    const velum_slot_fields a = core_tile_sample(tile, slot, u, v);
-    const velum_slot_fields b = core_tile_sample(tile, slot, u + step, v);
+    *a = core_tile_sample(tile, slot, u, v);
+    *b = core_tile_sample(tile, slot, u + step, v);
+    return step * VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
+}
+
+/* Base and top together, too. */
+static void steep(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
+    velum_slot_fields a, b;
+    const float step_m = neighbours(tile, slot, random, &a, &b);
     const float change_m = fabsf(a.base_m - b.base_m) + fabsf(a.top_m - b.top_m);
     assert_true(change_m <= bounds->shape[2] * step_m + 0.01f);
 }
 
 /* Margins of covered columns change along the layer by no more than reference_bounds.glsl takes from the bounds. */
 static void fade(const core_tile *tile, uint32_t slot, const velum_page_bounds *bounds, uint32_t *random) {
-    const float step = 0.002f;
-    const float step_m = step * VELUM_TILE_FACE_M / (float)(1u << velum_tile_key_level(tile->key));
-    const float u = (1.0f - step) * unit(random);
-    const float v = unit(random);
-    const velum_slot_fields a = core_tile_sample(tile, slot, u, v);
-    const velum_slot_fields b = core_tile_sample(tile, slot, u + step, v);
+    velum_slot_fields a, b;
+    const float step_m = neighbours(tile, slot, random, &a, &b);
     if (slot >= VELUM_SLOT_UNIFORM || a.coverage <= 0.0f || b.coverage <= 0.0f) {
         return;
     }
