@@ -350,6 +350,13 @@ static velum_span_m with_spare(velum_span_m span) {
     return (velum_span_m){span.low - FRINGE_SPARE_M, span.high + FRINGE_SPARE_M};
 }
 
+core_fringe_reach core_fringe_reach_of(float base_m, float top_m, velum_fringe g) {
+    return (core_fringe_reach){
+        .scud_m = {base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud, base_m + VELUM_SCUD_OVER_M},
+        .band_m = {base_m - g.transition_m, top_m + g.transition_m},
+        .fall_m = {fmaxf(base_m - VELUM_FALL_REACH_M * g.fall, VELUM_FALL_FLOOR_M), base_m + VELUM_FALL_JOIN_MOST_M}};
+}
+
 /* Bounds hold between texels too: they are of fields that are mixed, not of what is made of each. */
 static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fringe) {
     velum_span_m scud_m = {0};
@@ -366,13 +373,12 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
             memcpy(fringe + (j * SIDE + i) * 4, v, 4 * sizeof *fringe);
             velum_fringe g = velum_fringe_of_texel((float)v[0] / 65535.0f, (float)v[1] / 65535.0f,
                                                    (float)v[2] / 65535.0f, (float)v[3] / 65535.0f);
-            float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
-            const float scud_low_m = base_m - VELUM_SCUD_SHALLOW_M - VELUM_SCUD_DEEP_M * g.scud;
-            core_span_widen(&scud_m, (velum_span_m){scud_low_m, base_m + VELUM_SCUD_OVER_M});
+            const float base_m = velum_texel_height_m((float)from->value[TEXEL_BASE] / 65535.0f);
             const float top_m = velum_texel_height_m((float)from->value[TEXEL_TOP] / 65535.0f);
-            core_span_widen(&band_m, (velum_span_m){base_m - g.transition_m, top_m + g.transition_m});
-            core_span_widen(&fall_m,
-                            (velum_span_m){base_m - VELUM_FALL_REACH_M * g.fall, base_m + VELUM_FALL_JOIN_MOST_M});
+            const core_fringe_reach reach = core_fringe_reach_of(base_m, top_m, g);
+            core_span_widen(&scud_m, reach.scud_m);
+            core_span_widen(&band_m, reach.band_m);
+            core_span_widen(&fall_m, reach.fall_m);
             scud = fmaxf(scud, g.scud);
             transition_m = fmaxf(transition_m, g.transition_m);
             fall = fmaxf(fall, g.fall);
@@ -388,7 +394,6 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
         slot->max_band_1_m = VELUM_BAND_SHARE * slot->max_extinction_1_m;
     }
     if (fall > 0.0f) {
-        fall_m.low = fmaxf(fall_m.low, VELUM_FALL_FLOOR_M);
         slot->fall_m = with_spare(fall_m);
         slot->max_fall_1_m = velum_fall_most_1_m((velum_fringe){.fall = fall, .fall_kind = kind});
     }

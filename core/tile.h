@@ -55,6 +55,12 @@ static inline velum_span_m core_tile_slot_span(const core_tile_slot *slot) {
     return span;
 }
 
+/* Heights between which a fringe of these fields can be, whatever they are mixed with: where each holds its part. */
+typedef struct core_fringe_reach {
+    velum_span_m scud_m, band_m, fall_m;
+} core_fringe_reach;
+core_fringe_reach core_fringe_reach_of(float base_m, float top_m, velum_fringe g);
+
 /* Null: out of memory. One reference. */
 core_tile *core_tile_create(const core_state *state, uint32_t key);
 core_tile *core_tile_ref(core_tile *tile);

@@ -50,7 +50,8 @@ typedef enum pass {
     PASS_DUE,                                /* rays of views that stand */
     PASS_FINER,                              /* rays of views that move */
     PASS_MARCH,                              /* eight */
-    PASS_LIGHT = PASS_MARCH + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
+    PASS_MARCH_UNEVEN = PASS_MARCH + PASS_VARIANTS, /* eight, for weather that differs from place to place */
+    PASS_LIGHT = PASS_MARCH_UNEVEN + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,
     PASS_GATHER_KEEPS, /* where history is kept */
     PASS_MARCH_STUDY,  /* eight, PASS_CLOSED without effect; made with the first eye that wants them */

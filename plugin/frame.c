@@ -73,7 +73,7 @@ bool frame_uniform(engine *e, const void *block, uint32_t size, uint32_t *offset
 
 static bool create_pool(gpu *g, VkDescriptorPool *out) {
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 2 * FRAME_POOL_SETS},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 3 * FRAME_POOL_SETS},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 4 * FRAME_POOL_SETS},
                                           {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8 * FRAME_POOL_SETS},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 7 * FRAME_POOL_SETS}};
     VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
@@ -150,16 +150,18 @@ bool frame_engine_set(engine *e, const gpu_image *sky, VkDescriptorSet *out) {
     const VkDescriptorBufferInfo buffers[VELUM_BIND_COUNT] = {
         [VELUM_BIND_EYE] = {e->uniforms.buffer, 0, sizeof(velum_eye_block)},
         [VELUM_BIND_TABLE] = {e->tables.buffer.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_SPANS] = {e->pages.spans.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_SHADOW_BLOCK] = {e->uniforms.buffer, 0, sizeof(velum_shadow_block)}};
     VkWriteDescriptorSet writes[VELUM_BIND_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_COUNT; i++) {
         bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;
+        bool is_words = i == VELUM_BIND_TABLE || i == VELUM_BIND_SPANS;
         bool is_storage = i == VELUM_BIND_AIR_OUT || i == VELUM_BIND_SKY_OUT || i == VELUM_BIND_GLOW_OUT;
         writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                            .dstSet = *out,
                                            .dstBinding = i,
                                            .descriptorCount = 1,
-                                           .descriptorType = i == VELUM_BIND_TABLE ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                           .descriptorType = is_words     ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
                                                              : is_buffer  ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC
                                                              : is_storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
                                                                           : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,

@@ -4,8 +4,11 @@
 #include <string.h>
 
 #include "core/tile_bounds.h"
+#include "core/tile_spans.h"
 
 _Static_assert(PAGES_MAX % VELUM_PAGES_A_LAYER == 0, "layers are full");
+
+enum { SPAN_BYTES = VELUM_SPAN_WORDS * sizeof(uint32_t) };
 
 void *stage_take(stage *s, VkDeviceSize size, VkDeviceSize *offset) {
     VkDeviceSize start = (s->used + 63u) & ~(VkDeviceSize)63u;
@@ -25,17 +28,20 @@ bool pages_init(pages *p, gpu *g, VkDeviceSize stage_bytes) {
     p->buckets = calloc(PAGES_BUCKETS, sizeof *p->buckets);
     p->copies_a = calloc(p->copy_capacity, sizeof *p->copies_a);
     p->copies_b = calloc(p->copy_capacity, sizeof *p->copies_b);
+    p->copies_spans = calloc(p->copy_capacity, sizeof *p->copies_spans);
     const gpu_image_desc desc = {.format = VK_FORMAT_R16G16B16A16_UNORM,
                                  .type = VK_IMAGE_TYPE_2D,
                                  .view_type = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
                                  .extent = {VELUM_TILE_SIDE * VELUM_PAGE_COLUMNS, VELUM_TILE_SIDE * VELUM_PAGE_ROWS, 1},
                                  .layers = PAGES_MAX / VELUM_PAGES_A_LAYER,
                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    if (!p->page || !p->names || !p->buckets || !p->copies_a || !p->copies_b) {
+    if (!p->page || !p->names || !p->buckets || !p->copies_a || !p->copies_b || !p->copies_spans) {
         g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
         return false;
     }
-    return gpu_image_init(g, &p->a, &desc) && gpu_image_init(g, &p->b, &desc);
+    return gpu_image_init(g, &p->a, &desc) && gpu_image_init(g, &p->b, &desc) &&
+           gpu_buffer_init(g, &p->spans, PAGES_MAX * SPAN_BYTES,
+                           VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_DEVICE);
 }
 
 void pages_finish(pages *p, gpu *g) {
@@ -46,8 +52,10 @@ void pages_finish(pages *p, gpu *g) {
     free(p->buckets);
     free(p->copies_a);
     free(p->copies_b);
+    free(p->copies_spans);
     free(p->copies_bounds);
     free(p->known);
+    gpu_buffer_finish(g, &p->spans);
     gpu_buffer_finish(g, &p->bounds);
     *p = (pages){0};
 }
@@ -98,7 +106,7 @@ static void hash(uint64_t *h, const void *bytes, size_t count) {
     }
 }
 
-/* Of key, slot and texels; bounds of a fringe depend on its cloud, too. Never 0. */
+/* Of key, slot and texels; bounds and spans of a fringe depend on its cloud, too. Never 0. */
 static uint64_t contents_of(const core_tile *tile, uint32_t slot) {
     uint64_t h = mix(((uint64_t)tile->key << 8) | slot | 0x5a00000000000000u);
     const uint16_t *sides[2];
@@ -109,6 +117,9 @@ static uint64_t contents_of(const core_tile *tile, uint32_t slot) {
         velum_page_bounds bounds;
         core_tile_fringe_bounds(tile, slot - VELUM_SLOT_COUNT, &bounds);
         hash(&h, &bounds, sizeof bounds);
+        uint32_t spans[VELUM_SPAN_WORDS];
+        core_tile_spans(tile, slot, spans);
+        hash(&h, spans, sizeof spans);
     }
     h = mix(h);
     return h ? h : 1;
@@ -196,11 +207,11 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
     }
     VkDeviceSize offset = 0;
     if (oldest == VELUM_PAGE_NONE || p->copy_count == p->copy_capacity ||
-        s->used + s->reserve + 2 * CORE_TILE_PAGE_BYTES > s->buffer.size) {
+        s->used + s->reserve + 2 * CORE_TILE_PAGE_BYTES + SPAN_BYTES > s->buffer.size) {
         return VELUM_PAGE_NONE;
     }
     const VkDeviceSize texels = 2 * CORE_TILE_PAGE_BYTES;
-    char *bytes = stage_take(s, texels + (p->has_bounds ? sizeof(velum_page_bounds) : 0), &offset);
+    char *bytes = stage_take(s, texels + SPAN_BYTES + (p->has_bounds ? sizeof(velum_page_bounds) : 0), &offset);
     if (!bytes) {
         return VELUM_PAGE_NONE;
     }
@@ -208,6 +219,10 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
     texels_of(tile, slot, sides);
     memcpy(bytes, sides[0], CORE_TILE_PAGE_BYTES);
     memcpy(bytes + CORE_TILE_PAGE_BYTES, sides[1], CORE_TILE_PAGE_BYTES);
+    uint32_t spans[VELUM_SPAN_WORDS];
+    core_tile_spans(tile, slot, spans);
+    memcpy(bytes + texels, spans, sizeof spans);
+    p->copies_spans[p->copy_count] = (VkBufferCopy){offset + texels, oldest * sizeof spans, sizeof spans};
     if (p->has_bounds) {
         velum_page_bounds bounds = {0};
         if (slot < VELUM_SLOT_COUNT) {
@@ -215,9 +230,10 @@ uint32_t pages_get(pages *p, stage *s, const core_tile *tile, uint32_t slot, uin
         } else {
             core_tile_fringe_bounds(tile, slot - VELUM_SLOT_COUNT, &bounds);
         }
-        memcpy(bytes + texels, &bounds, sizeof bounds);
+        memcpy(bytes + texels + SPAN_BYTES, &bounds, sizeof bounds);
         p->known[oldest] = bounds;
-        p->copies_bounds[p->copy_count] = (VkBufferCopy){offset + texels, oldest * sizeof bounds, sizeof bounds};
+        p->copies_bounds[p->copy_count] =
+            (VkBufferCopy){offset + texels + SPAN_BYTES, oldest * sizeof bounds, sizeof bounds};
     }
     evict(p, oldest);
     p->page[oldest] = (page_entry){.contents = *contents, .next = *bucket};
@@ -234,6 +250,7 @@ void pages_record(pages *p, gpu *g, VkCommandBuffer commands, VkBuffer staged) {
     if (p->copy_count > 0) {
         g->CmdCopyBufferToImage(commands, staged, p->a.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_a);
         g->CmdCopyBufferToImage(commands, staged, p->b.image, VK_IMAGE_LAYOUT_GENERAL, p->copy_count, p->copies_b);
+        g->CmdCopyBuffer(commands, staged, p->spans.buffer, p->copy_count, p->copies_spans);
         if (p->has_bounds) {
             g->CmdCopyBuffer(commands, staged, p->bounds.buffer, p->copy_count, p->copies_bounds);
         }

@@ -42,6 +42,8 @@ typedef struct pages {
     uint32_t *buckets;                      /* page + 1 */
     VkBufferImageCopy *copies_a, *copies_b; /* of this record call */
     uint32_t copy_count, copy_capacity;
+    gpu_buffer spans; /* VELUM_SPAN_WORDS words of each page */
+    VkBufferCopy *copies_spans;
     gpu_buffer bounds; /* velum_page_bounds of each page, once pages_want_bounds was called */
     VkBufferCopy *copies_bounds;
     bool has_bounds;

@@ -166,21 +166,22 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl; 10 of march.comp. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes, ground, depth, moves, keeps, segmented;
+    VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven;
 } variant;
 
 /* The first of its variants. */
 static pass family_of(pass which) {
-    return is_of(which, PASS_MARCH)         ? PASS_MARCH
-           : is_of(which, PASS_LIGHT)       ? PASS_LIGHT
-           : is_of(which, PASS_MARCH_STUDY) ? PASS_MARCH_STUDY
-           : is_of(which, PASS_SHADOW)      ? PASS_SHADOW
-           : is_resolve(which)              ? PASS_RESOLVE
-                                            : which;
+    return is_of(which, PASS_MARCH)          ? PASS_MARCH
+           : is_of(which, PASS_MARCH_UNEVEN) ? PASS_MARCH_UNEVEN
+           : is_of(which, PASS_LIGHT)        ? PASS_LIGHT
+           : is_of(which, PASS_MARCH_STUDY)  ? PASS_MARCH_STUDY
+           : is_of(which, PASS_SHADOW)       ? PASS_SHADOW
+           : is_resolve(which)               ? PASS_RESOLVE
+                                             : which;
 }
 
 static uint32_t variant_of(pass which) {
@@ -200,6 +201,8 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_FINER] = {velum_finer_spv, sizeof velum_finer_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
+        [PASS_MARCH_UNEVEN] = {velum_march_spv, sizeof velum_march_spv},
+        [PASS_MARCH_UNEVEN + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_LIGHT] = {velum_light_spv, sizeof velum_light_spv},
         [PASS_LIGHT + PASS_FRINGED] = {velum_light_fringed_spv, sizeof velum_light_fringed_spv},
         [PASS_GATHER] = {velum_gather_spv, sizeof velum_gather_spv},
@@ -216,7 +219,7 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[10] = {{0, offsetof(variant, more), sizeof values->more},
+    const VkSpecializationMapEntry entries[11] = {{0, offsetof(variant, more), sizeof values->more},
                                                   {1, offsetof(variant, lanes), sizeof values->lanes},
                                                   {2, offsetof(variant, slots), sizeof values->slots},
                                                   {3, offsetof(variant, air), sizeof values->air},
@@ -225,8 +228,9 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
                                                   {6, offsetof(variant, depth), sizeof values->depth},
                                                   {7, offsetof(variant, moves), sizeof values->moves},
                                                   {8, offsetof(variant, keeps), sizeof values->keeps},
-                                                  {9, offsetof(variant, segmented), sizeof values->segmented}};
-    const VkSpecializationInfo constants = {10, entries, sizeof *values, values};
+                                                  {9, offsetof(variant, segmented), sizeof values->segmented},
+                                                  {10, offsetof(variant, uneven), sizeof values->uneven}};
+    const VkSpecializationInfo constants = {11, entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -259,7 +263,8 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .depth = resolves && kind & PASS_DEPTH,
                             .moves = resolves && kind & PASS_MOVES,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
-                            .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1};
+                            .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1,
+                            .uneven = is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_MARCH_STUDY)};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
@@ -312,7 +317,7 @@ static bool create_listed(pipeline_list *list, gpu *g) {
 /* Those that are made with the first eye that wants them, and those that nothing asks for. */
 static bool is_left_out(pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
-    const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_LIGHT);
+    const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_LIGHT);
     return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
            (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
@@ -357,7 +362,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 }
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
-    static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T};
+    static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T, B};
     static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};

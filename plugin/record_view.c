@@ -366,7 +366,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
-    return (view_passes){.march = (pass)(PASS_MARCH + kind + closed),
+    const pass march = y->tiles.uneven ? PASS_MARCH_UNEVEN : PASS_MARCH;
+    return (view_passes){.march = (pass)(march + kind + closed),
                          .light = (pass)(PASS_LIGHT + kind + closed),
                          .gather = history->way == HISTORY_KEEPS ? PASS_GATHER_KEEPS : PASS_GATHER,
                          .resolve = resolve,

@@ -183,6 +183,56 @@ static uint32_t parent_of(uint32_t key) {
     return velum_tile_key(level - 1, velum_tile_key_face(key), velum_tile_key_x(key) >> 1, velum_tile_key_y(key) >> 1);
 }
 
+/* How alike the tiles of an eye are. */
+typedef struct evenness {
+    uint32_t everywhere; /* slots and VELUM_PART_* that all have */
+    float high_base_m[VELUM_SLOT_COUNT], low_top_m[VELUM_SLOT_COUNT];
+} evenness;
+
+/* Of a layer's thickness, so much may its heights differ from tile to tile: geoid and lapse rate lift them a little. */
+#define EVEN_SHARE 0.25f
+
+/* What a tile of one state has against all that the eye has. */
+static void note_even(evenness *e, const core_tile *tile) {
+    uint32_t here = 0;
+    for (uint32_t slot = 0; tile && slot < VELUM_SLOT_COUNT; slot++) {
+        const core_tile_slot *own = &tile->slot[slot];
+        if (tile->mask >> slot & 1u) {
+            e->high_base_m[slot] = fmaxf(e->high_base_m[slot], own->min_base_m);
+            e->low_top_m[slot] = fminf(e->low_top_m[slot], own->max_top_m);
+            here |= 1u << slot;
+            here |= own->hem_m.low < own->hem_m.high ? 1u << (VELUM_PART_HEM + slot) : 0;
+            here |= own->fall_m.low < own->fall_m.high ? 1u << (VELUM_PART_FALL + slot) : 0;
+        }
+    }
+    e->everywhere &= here;
+}
+
+static bool is_uneven(const tiles *t, const evenness *e) {
+    bool uneven = ((t->mask | t->fringes) & ~e->everywhere) != 0;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        const float spare_m = EVEN_SHARE * (t->top_m[slot] - t->base_m[slot]);
+        uneven = uneven || (t->mask >> slot & 1u && (e->high_base_m[slot] > t->base_m[slot] + spare_m ||
+                                                     e->low_top_m[slot] < t->top_m[slot] - spare_m));
+    }
+    return uneven;
+}
+
+/* Where one of two states that are mixed has a fringe alone, it hangs from a base between those of both. */
+static void widen_mixed(tiles *t, core_tile *const tile[2]) {
+    for (uint32_t slot = 0; tile[0] && tile[1] && tile[0] != tile[1] && slot < VELUM_SLOT_COUNT; slot++) {
+        const core_tile_slot *a = &tile[0]->slot[slot];
+        const core_tile_slot *b = &tile[1]->slot[slot];
+        const velum_span_m reach_m = {t->base_m[slot] - VELUM_SCUD_SHALLOW_M, t->top_m[slot] + VELUM_FALL_JOIN_MOST_M};
+        if (a->a && b->a && (a->hem_m.low < a->hem_m.high) != (b->hem_m.low < b->hem_m.high)) {
+            core_span_widen(&t->hem_m[slot], reach_m);
+        }
+        if (a->a && b->a && (a->fall_m.low < a->fall_m.high) != (b->fall_m.low < b->fall_m.high)) {
+            core_span_widen(&t->fall_m[slot], reach_m);
+        }
+    }
+}
+
 static void resolve(tiles *t, const tiles_context *c) {
     t->mask = t->closing = t->fringes = 0;
     memset(t->hem_m, 0, sizeof t->hem_m);
@@ -191,6 +241,11 @@ static void resolve(tiles *t, const tiles_context *c) {
     memset(t->most_band_1_m, 0, sizeof t->most_band_1_m);
     memset(t->most_fall_1_m, 0, sizeof t->most_fall_1_m);
     t->standing = VELUM_OK;
+    evenness even = {.everywhere = UINT32_MAX};
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        even.high_base_m[slot] = -INFINITY;
+        even.low_top_m[slot] = INFINITY;
+    }
     for (uint32_t i = 0; i < t->set.data_count; i++) {
         uint32_t key = t->set.data_keys[i];
         uint32_t up = coarsening(c->p);
@@ -212,8 +267,12 @@ static void resolve(tiles *t, const tiles_context *c) {
         if (!take_pages(t, c, i, tile)) {
             t->standing = VELUM_INCOMPLETE;
         }
+        widen_mixed(t, tile);
+        note_even(&even, tile[0]);
+        note_even(&even, tile[1]);
         release(tile);
     }
+    t->uneven = is_uneven(t, &even);
 }
 
 /* For core_tile_table_build: which of the resolved keys is asked for. Keys come in no order, so a small hash. */

@@ -43,6 +43,9 @@ struct cloud_hit {
     float extinction_1_m;
     float height_fraction; /* of the layer */
     vec2 span_m;           /* heights between which there is something */
+#ifdef VELUM_FRINGED
+    velum_fringe fringe;
+#endif
     bool within, covered;  /* the layer; a cloud's column, in it */
     bool sampled;          /* anything was asked for its density */
     bool smooth_part;      /* no noise that a long step would miss: rain, a transition band */
@@ -94,11 +97,23 @@ bool is_fringe(cloud_hit hit) {
 /* The cloud over a shaft is far and uneven: few steps would draw its shadows as steps. */
 const int fringe_sun_steps = 2;
 
-/* Fields, profile and extinction where slot, place, tile and step are known. `looking` false: nothing is there;
+/* Fields, fringe and span where part, slot and tile are known; `some` false: nothing is there, coverage 0. */
+void cloud_fields(inout cloud_hit hit, bool some) {
+    hit.fields = slot_fields(hit.tile, hit.slot, some);
+    hit.span_m = vec2(hit.fields.base_m, hit.fields.top_m);
+#ifdef VELUM_FRINGED
+    if (some && hit.part >= VELUM_PART_HEM) {
+        hit.fringe = slot_fringe(hit.tile, hit.slot);
+        hit.span_m = part_span(hit.part, hit.fields, hit.fringe);
+    }
+#endif
+}
+
+/* Profile and extinction where slot, fields, span, place, tile and step are known. `looking` false: nothing is there;
  * `base`: the shape without lumps and detail. */
 void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, float distance_m, bool base) {
     int slot = hit.slot;
-    velum_slot_fields f = slot_fields(hit.tile, slot, looking);
+    velum_slot_fields f = hit.fields;
     bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
     float over_m = hit.at_h_m - f.base_m;
     float z = over_m / max(f.top_m - f.base_m, 1.0);
@@ -117,7 +132,6 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
         fine = fine_noise(slot, f, hit.r);
     }
     z = clamp(z, 0.0, 1.0);
-    hit.fields = f;
     hit.profile = profile;
     hit.excess = e;
     hit.lump = lump;
@@ -131,15 +145,13 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
 #ifdef VELUM_STUDY
     hit.extinction_1_m = study_thinned(hit.extinction_1_m, f.extinction_1_m);
 #endif
-    hit.span_m = vec2(f.base_m, f.top_m);
     hit.sampled = within;
     hit.across = 0.0;
     hit.smooth_part = false;
 #ifdef VELUM_FRINGED
     if (fringe && f.coverage > 0.0) {
-        velum_fringe g = slot_fringe(hit.tile, slot);
+        velum_fringe g = hit.fringe;
         float h = hit.at_h_m;
-        hit.span_m = part_span(hit.part, f, g);
         hit.sampled = h > hit.span_m.x && h < hit.span_m.y;
         hit.smooth_part = hit.part >= VELUM_PART_FALL || g.scud <= 0.0;
         if (hit.sampled) {

@@ -13,6 +13,9 @@ layout(set = 0, binding = VELUM_BIND_EYE, std140) uniform eye_uniform {
 layout(set = 0, binding = VELUM_BIND_TABLE, std430) readonly buffer table_buffer {
     uint table[];
 };
+layout(set = 0, binding = VELUM_BIND_SPANS, std430) readonly buffer span_buffer {
+    uint spans[];
+};
 layout(set = 0, binding = VELUM_BIND_TILES_A) uniform sampler2DArray tiles_a;
 layout(set = 0, binding = VELUM_BIND_TILES_B) uniform sampler2DArray tiles_b;
 layout(set = 0, binding = VELUM_BIND_SHAPE) uniform sampler3D shape_noise;

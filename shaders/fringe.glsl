@@ -16,6 +16,24 @@ vec4 part_bounds(int part) {
     return part < VELUM_PART_HEM ? eye.slots[part].bounds : eye.fringes[part - VELUM_PART_HEM];
 }
 
+/* The same in a part of a tile that has some of it. */
+vec2 part_heights_m(tile_place place, int part, uint page_part) {
+    if (part < VELUM_PART_HEM) {
+        return slot_heights_m(place, part, page_part);
+    }
+    int slot = part & (VELUM_SLOT_COUNT - 1);
+    uint word = page_part + (part < VELUM_PART_FALL ? 0u : uint(VELUM_PARTS * VELUM_PARTS));
+    uvec2 both = pages_spans(table[place.fringe + uint(slot)], word);
+    vec2 span_m = spans_m(both);
+    if (velum_mixes && (both.x == VELUM_SPAN_NONE) != (both.y == VELUM_SPAN_NONE)) {
+        /* It hangs from a base between those of both. */
+        vec2 cloud_m = slot_heights_m(place, slot, page_part);
+        span_m.x = min(span_m.x, cloud_m.x - VELUM_SCUD_SHALLOW_M);
+        span_m.y = max(span_m.y, cloud_m.y + VELUM_FALL_JOIN_MOST_M);
+    }
+    return span_m;
+}
+
 velum_fringe page_fringe(uint page, vec2 uv) {
     vec4 c = textureLod(tiles_a, page_place(page, uv), 0.0);
     c = page == VELUM_PAGE_NONE ? vec4(0.0) : c;

@@ -34,6 +34,7 @@ void main() {
     hit.before_m = found.y * offset;
     hit.after_m = found.y - hit.before_m;
     hit.tile = tile_find(hit.normal, at);
+    cloud_fields(hit, true);
     profile_memo memo = profile_none();
     cloud_look(hit, memo, true, at, false);
 

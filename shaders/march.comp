@@ -15,6 +15,9 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[4];
 };
 
+/* Weather differs from place to place: parts of tiles tell where layers are. Else that would be asked for nothing. */
+layout(constant_id = 10) const bool velum_uneven = true;
+
 /* Both uniform layers, no other. */
 const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
 
@@ -41,18 +44,19 @@ const float opaque = 0.0015;
 /* Software devices run both sides of every branch, and the body of a loop at least once: only later turns of a loop are
  * left out, when all lanes have left it. */
 
-/* Distance along a ray that rises by `rise` a metre until it can meet heights between low and high (curvature makes
- * every ray rise faster as it goes), or far beyond all. */
-float reach_bounds(float h, float rise, float low, float high) {
+/* Between the heights of layers that a step does not meet: highest below, lowest above. */
+const vec2 no_gap_m = vec2(-1.0e9, 1.0e9);
+vec2 gap_beside(vec2 gap_m, float low, float high, vec2 span_m) {
+    return vec2(low > span_m.y ? max(gap_m.x, span_m.y) : gap_m.x, high < span_m.x ? min(gap_m.y, span_m.x) : gap_m.y);
+}
+
+/* How far a ray at height h that rises by `rise` a metre is in it (curvature makes every ray rise faster as it goes). */
+float gap_way_m(vec2 gap_m, float h, float rise) {
     const float r = VELUM_WGS84_A_M;
-    if (h < low) {
-        return r * (sqrt(rise * rise + 2.0 * (low - h) / r) - rise);
-    }
-    if (h > high) {
-        float inside = rise * rise - 2.0 * (h - high) / r;
-        return rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
-    }
-    return 0.0;
+    float up = r * (sqrt(rise * rise + 2.0 * (gap_m.y - h) / r) - rise);
+    float inside = rise * rise - 2.0 * (h - gap_m.x) / r;
+    float down = rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
+    return min(up, down);
 }
 
 /* Excess below which a column has no cloud at any height that the ray comes to before it meets one: where `here` is
@@ -61,6 +65,17 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     float way_m = min(max(here - hit.excess, 0.0) * rank_m, most_m);
     float then = hit.height_fraction + min(hit.rise, 0.0) * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
     return min(here, velum_threshold_least(hit.profile, then));
+}
+
+/* Of what is left to look at in a step. Of two uniform layers in one step the nearer comes first; they come last. */
+int next_part(uint meets, float rise) {
+    int part = findLSB(meets);
+#ifdef VELUM_FRINGED
+    /* What is gone back to before what is not: nothing is lit twice. */
+    uint sharp = meets & ~(sheets | all_fall);
+    part = sharp != 0u ? findLSB(sharp) : part;
+#endif
+    return meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : part;
 }
 
 void main() {
@@ -105,6 +120,7 @@ void main() {
     uint done = 0u;        /* slots already looked at in this step */
     /* From the step's beginning on, how far nothing can begin; less for ranks, whose bounds are none. */
     float advance = 1.0e9;
+    float clear_to = 1.0e9; /* the same of layers that the step does not meet */
     bool alive = position < end && eye.table.z != 0u;
 #ifdef VELUM_STUDY
     ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
@@ -161,11 +177,15 @@ void main() {
         tile = tile_move(tile, normal, at);
         missing = missing || tile.missing;
 
-        /* Which slots the step can meet; the lowest that has not been looked at is looked at now. */
+        /* Which slots the step can meet: by their heights over all that the eye has, in this part of the tile, and here.
+         * The first that it does meet is looked at now. */
         uint meets = 0u;
-        bool clear_tile = false;
+        vec3 reach_m = tile_reach_m(tile, normal, ray.direction);
+        float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
+        float clear_m = 1.0e9;
+        vec2 gap_m = no_gap_m;
 #ifdef VELUM_FRINGED
-        room = 1.0e9;
+        vec2 sharp_gap_m = no_gap_m;
 #endif
         for (uint rest = FRINGED(eye.table.z | eye.table.w, eye.table.z); rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
@@ -173,32 +193,58 @@ void main() {
             uint bit = 1u << uint(candidate);
             bool outside = high < bounds.x || low > bounds.y;
             bool present = (FRINGED(tile.mask | tile.parts, tile.mask) & bit) != 0u;
-            float away = outside ? reach_bounds(h, rise, bounds.x, bounds.y) - 1.0 : 1.0e9;
-            clear_tile = clear_tile || (!outside && !present);
-            advance = min(advance, away + dt * offset);
+            gap_m = gap_beside(gap_m, low, high, bounds.xy);
 #ifdef VELUM_FRINGED
-            room = candidate < VELUM_PART_FALL ? min(room, outside ? away + dt * offset : 0.0) : room;
+            sharp_gap_m = candidate < VELUM_PART_FALL ? gap_beside(sharp_gap_m, low, high, bounds.xy) : sharp_gap_m;
 #endif
-            bool fresh = !outside && present && (done & bit) == 0u;
-            meets |= fresh ? bit : 0u;
+            clear_m = outside || present ? clear_m : reach_m.x;
+            meets |= !outside && present ? bit : 0u;
         }
-        /* Of two uniform layers in one step the nearer comes first; they come last. */
-        int part = meets != 0u ? findLSB(meets) : 0;
+        ivec2 page_part = part_at(tile.uv);
+        uint part_word = uint(page_part.y * VELUM_PARTS + page_part.x);
+        for (uint rest = velum_uneven ? FRINGED(meets, meets & ~done) : 0u; rest != 0u; rest &= rest - 1u) {
+            int candidate = findLSB(rest);
+            vec2 span_m = FRINGED(part_heights_m(tile, candidate, part_word), slot_heights_m(tile, candidate, part_word));
+            bool outside = high < span_m.x || low > span_m.y;
+            gap_m = gap_beside(gap_m, low, high, span_m);
 #ifdef VELUM_FRINGED
-        /* What is gone back to before what is not: nothing is lit twice. */
-        uint sharp = meets & ~(sheets | all_fall);
-        part = sharp != 0u ? findLSB(sharp) : part;
+            sharp_gap_m = candidate < VELUM_PART_FALL ? gap_beside(sharp_gap_m, low, high, span_m) : sharp_gap_m;
 #endif
-        part = meets == sheets && rise < 0.0 ? VELUM_SLOT_UNIFORM_2 : part;
-        bool looking = meets != 0u;
-        done |= looking ? 1u << uint(part) : 0u;
-        meets &= ~(1u << uint(part));
-        int slot = FRINGED(part & (VELUM_SLOT_COUNT - 1), part);
-
-        bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
-        hit.part = part;
-        hit.slot = slot;
+            clear_m = outside ? min(clear_m, reach_m.y) : clear_m;
+            meets &= outside ? ~(1u << uint(candidate)) : ~0u;
+        }
+#ifdef VELUM_FRINGED
+        bool sharp_met = (meets & ~all_fall) != 0u;
+        room = sharp_met ? 0.0 : min(clear_m, gap_way_m(sharp_gap_m, h, rise) - 1.0) + dt * offset;
+#endif
+        clear_m = min(clear_m, gap_way_m(gap_m, h, rise) - 1.0);
+        meets &= ~done;
+        bool looking = false;
         hit.tile = tile;
+        gap_m = no_gap_m;
+        do {
+            bool some = meets != 0u;
+            uint bit = some ? 1u << uint(next_part(meets, rise)) : 0u;
+            hit.part = some ? findLSB(bit) : 0;
+            hit.slot = FRINGED(hit.part & (VELUM_SLOT_COUNT - 1), hit.part);
+            meets &= ~bit;
+            done |= bit;
+            cloud_fields(hit, some);
+            bool there = hit.fields.coverage > 0.0;
+            looking = there && low < hit.span_m.y && high > hit.span_m.x;
+            clear_m = there || !some ? clear_m : min(clear_m, reach_m.z);
+            gap_m = there ? gap_beside(gap_m, low, high, hit.span_m) : gap_m;
+        } while (velum_uneven && meets != 0u && !looking);
+        hit.fields.coverage = looking ? hit.fields.coverage : 0.0;
+        /* Fields are known here alone: elsewhere layers lie higher or lower, at the edges of regions by steep walls. */
+        float own_m = min(0.7 * gap_way_m(gap_m, h, rise), top_way * (h - gap_m.x));
+        own_m = gap_m == no_gap_m ? 1.0e9 : min(own_m, min(0.1 * at + 500.0, texel_m));
+        clear_to = min(clear_to, min(clear_m, own_m) + dt * offset);
+        advance = min(advance, clear_to);
+
+        int part = hit.part;
+        int slot = hit.slot;
+        bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
         hit.r = r;
         hit.normal = normal;
         hit.at_h_m = h;
@@ -215,22 +261,13 @@ void main() {
         samples += hit.sampled ? 1u : 0u;
 
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
-        float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
-        vec2 reach_m = vec2(1.0e9);
-        if (clear_tile || f.coverage <= 0.0) {
-            reach_m = tile_reach_m(tile, normal, ray.direction);
-        }
-        advance = clear_tile ? min(advance, reach_m.x + hit.before_m) : advance;
         vec2 ways_m = clear_ways_m(slot, f, hit.profile, rise);
         float threshold = within ? velum_threshold(hit.profile, hit.height_fraction) : 0.0;
         float gap = min(max(least_excess(hit, threshold, ways_m.x, texel_m) - hit.excess, 0.0) * ways_m.x, texel_m);
         float clear = covered ? max(min(max(-hit.margin, 0.0) * ways_m.y, texel_m), gap) : 0.0;
-        float climb = min(0.7 * reach_bounds(h, rise, hit.span_m.x, hit.span_m.y), min(0.1 * at + 500.0, texel_m));
-        /* Tops may rise before a ray over them, at the edges of regions as fast as walls. */
-        climb = h > hit.span_m.y ? min(climb, top_way * (h - hit.span_m.y)) : climb;
         bool hangs = FRINGED(hit.sampled && part >= VELUM_PART_HEM && part < VELUM_PART_FALL, false);
         /* Where bounds are known, steps begin there, and are sampled by their offset; ranks are not known as well. */
-        float own = f.coverage <= 0.0 ? reach_m.y + hit.before_m : (within || hangs ? gap : climb + hit.before_m);
+        float own = within || hangs ? gap : 0.0;
         advance = looking ? min(advance, uniform_layer || extinction > 0.0 ? 0.0 : own) : advance;
 
         float start_m = position;
@@ -249,7 +286,8 @@ void main() {
         float least_m = within && !found && !is_short ? clamp(1.5 * gap, 0.3 * dt, dt) : dt;
         float own_stride = covered ? clamp(clear, least_m, STUDIED(max(dt, long_dt), long_dt)) : least_m;
         stride = looking && f.coverage > 0.0 ? min(stride, within ? own_stride : dt) : stride;
-        bool passes = looking && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
+        /* What has counted for the step is not counted again. */
+        bool passes = looking && !counted && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
         bool goes_back = !passes && found && !is_short && !uniform_layer && !glides;
         bool ends = passes || goes_back || meets == 0u; /* the step: else its next layer is looked at */
         /* Layers that the step is not within cost little, and forecasts have many. */
@@ -268,7 +306,7 @@ void main() {
             settled = STUDIED(whole || study_crossed(is_short), whole) ? position + dt : settled;
             longest = allowed < 1.0e8 ? allowed : 2.0 * longest;
             allowed = 1.0e9;
-            stride = stride < 1.0e8 ? stride : dt;
+            stride = stride < 1.0e8 ? min(stride, max(dt, clear_to)) : dt;
             float moved_m = STUDIED(whole || study_flag(VELUM_STUDY_STEP_THROUGH), whole) ? dt : max(stride, advance);
             position += moved_m;
 #ifdef VELUM_FRINGED
@@ -278,6 +316,7 @@ void main() {
         counted = !ends && (counted || found);
         stride = ends ? 1.0e9 : stride;
         advance = ends ? 1.0e9 : advance;
+        clear_to = ends ? 1.0e9 : clear_to;
         done = ends ? 0u : done;
         extinction = found ? extinction : 0.0;
         alive = position < end && left > 0;

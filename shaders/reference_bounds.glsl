@@ -139,12 +139,6 @@ float noise_slope_at(vec3 q) {
     return float((noise_slope[at >> 2u] >> (8u * (at & 3u))) & 255u) * VELUM_SLOPE_UNIT;
 }
 
-/* Which part of the page a place is in. */
-ivec2 part_at(vec2 uv) {
-    vec2 within = (uv * float(VELUM_TILE_SIDE) - float(VELUM_TILE_APRON)) / float(VELUM_TILE_TEXELS);
-    return clamp(ivec2(within * float(VELUM_PARTS)), ivec2(0), ivec2(VELUM_PARTS - 1));
-}
-
 /* Tiles narrow to 0.7 of their side away from their face's axes. */
 float part_side_m(tile_place tile) {
     return tile.side_m * (0.7 / float(VELUM_PARTS));

@@ -124,14 +124,25 @@ vec2 face_rate(tile_place place, vec3 normal, vec3 direction) {
     return turn * (0.5 * 1.2732395 * VELUM_TILE_FACE_M);
 }
 
-/* How far along a ray the tile that was asked for reaches (x): beyond it, another page may hold. And the square between
- * the page's four texels, in that tile (y). */
-vec2 tile_reach_m(tile_place place, vec3 normal, vec3 direction) {
+/* In parts of a page's side, 0..VELUM_PARTS. */
+vec2 parts_of(vec2 uv) {
+    vec2 within = (uv * float(VELUM_TILE_SIDE) - float(VELUM_TILE_APRON)) / float(VELUM_TILE_TEXELS);
+    return within * float(VELUM_PARTS);
+}
+/* Which part of the page a place is in. */
+ivec2 part_at(vec2 uv) {
+    return clamp(ivec2(parts_of(uv)), ivec2(0), ivec2(VELUM_PARTS - 1));
+}
+
+/* How far along a ray the tile that was asked for reaches (x): beyond it, another page may hold. In that tile, the part
+ * of the page (y), and the square between its four texels (z). */
+vec3 tile_reach_m(tile_place place, vec3 normal, vec3 direction) {
     vec2 rate = face_rate(place, normal, direction);
     float tile_m = leave(place.own, rate / place.own_m);
+    float part_m = leave(fract(parts_of(place.uv)), rate * (float(VELUM_PARTS) / place.side_m));
     vec2 texel = place.uv * float(VELUM_TILE_SIDE) - 0.5;
     float texels_m = leave(fract(texel), rate * (float(VELUM_TILE_TEXELS) / place.side_m));
-    return vec2(tile_m, min(tile_m, texels_m));
+    return vec3(tile_m, min(tile_m, part_m), min(tile_m, texels_m));
 }
 
 tile_place tile_find(vec3 normal, float distance_m) {
@@ -163,6 +174,30 @@ velum_slot_fields slot_fields_of(uint pages, vec2 uv) {
         }
     }
     return f;
+}
+
+/* Of the pages of both states, the span of a part, by its word. */
+uvec2 pages_spans(uint pages, uint word) {
+    uint a = pages & 0xffffu;
+    uint b = pages >> 16u;
+    uvec2 both = uvec2(a == VELUM_PAGE_NONE ? VELUM_SPAN_NONE : spans[a * VELUM_SPAN_WORDS + word]);
+    if (velum_mixes && b != a) {
+        both.y = b == VELUM_PAGE_NONE ? VELUM_SPAN_NONE : spans[b * VELUM_SPAN_WORDS + word];
+    }
+    return both;
+}
+
+/* Heights between which there is anything; lowest above highest: nothing. */
+vec2 spans_m(uvec2 both) {
+    uvec2 low = both & 0xffffu;
+    uvec2 high = both >> 16u;
+    vec2 stored = vec2(min(low.x, low.y), max(high.x, high.y)) * (1.0 / 65535.0);
+    return vec2(velum_texel_height_m(stored.x), velum_texel_height_m(stored.y));
+}
+
+/* Of a slot in a part of a tile. */
+vec2 slot_heights_m(tile_place place, int slot, uint part) {
+    return spans_m(pages_spans(table[place.entry + VELUM_TABLE_PAGES + uint(slot)], part));
 }
 
 /* `wanted` false: no such place in the table; coverage 0. */

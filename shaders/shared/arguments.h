@@ -131,7 +131,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_SHADOW_BLOCK                                                                                        \
     13 /* uniform velum_shadow_block (engine.h), origin relative to the eye in axis rows' dot */
 #define VELUM_BIND_SCATTERING 14 /* sampler3D: shared/scattering.h, RGBA16F */
-#define VELUM_BIND_COUNT 15
+#define VELUM_BIND_SPANS 15 /* storage, words: VELUM_SPAN_WORDS of each page */
+#define VELUM_BIND_COUNT 16
 
 /* Set 1: the view. */
 #define VELUM_BIND_VIEW 0           /* uniform velum_view_block, dynamic offset */

@@ -39,8 +39,6 @@ VELUM_FN int velum_away_level(float rank) {
     return level < VELUM_AWAY_LEVELS - 1 ? level : VELUM_AWAY_LEVELS - 1;
 }
 
-#define VELUM_PARTS 4
-
 /* What holds for a slot anywhere in a page. Of a page of fringes: most: hem, fall, 1/m; height: lowest and highest of
  * either, lowest above highest where there is none. */
 VELUM_STRUCT(velum_page_bounds) {

@@ -15,6 +15,13 @@
 #define VELUM_PAGE_ROWS 32u
 #define VELUM_PAGES_A_LAYER (VELUM_PAGE_COLUMNS * VELUM_PAGE_ROWS)
 
+/* Parts of a page's side. Of each part of a page is known between which heights there is anything (core/tile_spans.h): a
+ * word each, row by row; then as many again of what falls, in pages of fringes. Low 16 bits: lowest height, as texels
+ * store it; high ones: highest. */
+#define VELUM_PARTS 4
+#define VELUM_SPAN_WORDS (2 * VELUM_PARTS * VELUM_PARTS)
+#define VELUM_SPAN_NONE 0x0000ffffu
+
 /* Face n, its axes u and v. Faces 0..5: +X -X +Y -Y +Z -Z. */
 VELUM_STRUCT(velum_face_place) {
     int face;
