@@ -281,8 +281,44 @@ static void thin_cloud(void **state) {
     }
 }
 
-/* Along rays of 2.5 km: from under the base through rain, scud and a transition band; and from over all tops through a
- * band. */
+/* Every ray of a level view, to 2.5 km. */
+static void compare_whole(fixture *f, double height_m, float tan_half, double most_bias, double most_p95,
+                          const char *what) {
+    static picture p;
+    static float end_m[PIXELS];
+    static double off[PIXELS];
+    const double length_m = 2500.0;
+    for (int i = 0; i < PIXELS; i++) {
+        end_m[i] = (float)length_m;
+    }
+    look(f, height_m, 0.0, tan_half, end_m, &p);
+    double sum = 0.0;
+    double least = 1.0;
+    for (int i = 0; i < PIXELS; i++) {
+        double unit[3];
+        pixel_direction(&p, i % WIDTH, i / WIDTH, unit);
+        const velum_line_answer a = along(f, &p, unit, 0.0, length_m);
+        off[i] = fabs(a.transmittance - (double)p.transmittance[3 * i]);
+        sum += a.transmittance - (double)p.transmittance[3 * i];
+        least = fmin(least, a.transmittance);
+    }
+    qsort(off, PIXELS, sizeof *off, ascending);
+    print_message("%s: transmittance from %.3f, bias %+.5f, |difference| median %.5f, 95 %% %.5f, worst %.5f\n", what,
+                  least, sum / PIXELS, off[PIXELS / 2], off[PIXELS * 95 / 100], off[PIXELS - 1]);
+    assert_true(least < 0.5);
+    assert_true(fabs(sum / PIXELS) <= most_bias);
+    assert_true(off[PIXELS * 95 / 100] <= most_p95);
+}
+
+static velum_layer rain_layer(float base_m, float top_m, float rate_mm_h) {
+    velum_layer layer = layer_of(VELUM_GENUS_NS, 0.9f, base_m, top_m, 0.3f, 10.0f);
+    layer.wind_east_m_s = 10.0f;
+    layer.precipitation_mm_h = rate_mm_h;
+    layer.precipitation = rate_mm_h > 0.0f ? VELUM_PRECIPITATION_RAIN : VELUM_PRECIPITATION_NONE;
+    return layer;
+}
+
+/* From under the base through rain, scud and a transition band; and from over all tops through a band. */
 static void fringes(void **state) {
     (void)state;
     static const char *const names[] = {"rain", "scud", "band under the base", "band over the tops"};
@@ -292,46 +328,58 @@ static void fringes(void **state) {
         const bool scud = kind == 1;
         fixture f;
         fixture_init(&f, false);
-        velum_layer layer = layer_of(VELUM_GENUS_NS, 0.9f, 1500.0f, 4000.0f, 0.3f, 10.0f);
-        layer.wind_east_m_s = 10.0f;
+        velum_layer layer = rain_layer(1500.0f, 4000.0f, rain ? 12.0f : 0.0f);
         layer.scud = scud ? 0.5f : 0.0f;
         layer.transition_m = rain || scud ? 0.0f : kind == 2 ? 400.0f : 900.0f;
-        layer.precipitation_mm_h = rain ? 12.0f : 0.0f;
-        layer.precipitation = rain ? VELUM_PRECIPITATION_RAIN : VELUM_PRECIPITATION_NONE;
         fixture_commit(&f, &layer, 1);
-        static picture p;
-        static float end_m[PIXELS];
-        const double length_m = 2500.0;
-        for (int i = 0; i < PIXELS; i++) {
-            end_m[i] = (float)length_m;
-        }
-        look(&f, heights_m[kind], 0.0, rain ? 0.12f : 0.02f, end_m, &p);
-        double worst = 0.0;
-        double sum = 0.0;
-        double least = 1.0;
-        static double off[PIXELS];
-        for (int i = 0; i < PIXELS; i++) {
-            double unit[3];
-            pixel_direction(&p, i % WIDTH, i / WIDTH, unit);
-            const velum_line_answer a = along(&f, &p, unit, 0.0, length_m);
-            off[i] = fabs(a.transmittance - (double)p.transmittance[3 * i]);
-            sum += a.transmittance - (double)p.transmittance[3 * i];
-            least = fmin(least, a.transmittance);
-            worst = fmax(worst, off[i]);
-        }
-        qsort(off, PIXELS, sizeof *off, ascending);
-        print_message("%s: transmittance from %.3f, bias %+.5f, |difference| median %.5f, 95 %% %.5f, worst %.5f\n",
-                      names[kind], least, sum / PIXELS, off[PIXELS / 2], off[PIXELS * 95 / 100], worst);
-        assert_true(least < 0.5);
         /* Steps of 35 m pass over slivers of scud. */
-        assert_true(fabs(sum / PIXELS) <= (scud ? 0.015 : 0.001));
-        assert_true(off[PIXELS * 95 / 100] <= (scud ? 0.04 : 0.001));
+        compare_whole(&f, heights_m[kind], rain ? 0.12f : 0.02f, scud ? 0.015 : 0.001, scud ? 0.04 : 0.001,
+                      names[kind]);
+        fixture_finish(&f);
+    }
+}
+
+/* Half way from a dry state to one of low cloud with rain, the rain hangs from a base between theirs: far over that of
+ * either's rain, in weather that is the same everywhere and where a region makes it differ. */
+static void coming_rain(void **state) {
+    (void)state;
+    const velum_layer dry = rain_layer(2600.0f, 5000.0f, 0.0f);
+    const velum_layer wet = rain_layer(800.0f, 3000.0f, 24.0f);
+    const velum_layer far_layer = layer_of(VELUM_GENUS_CS, 1.0f, 9000.0f, 9500.0f, 0.01f, 40.0f);
+    for (uint32_t count = 1; count <= 2; count++) {
+        fixture f;
+        fixture_init(&f, false);
+        uint64_t states[2];
+        for (int i = 0; i < 2; i++) {
+            velum_cell cells[2] = {{.struct_size = sizeof cells[0],
+                                    .flags = VELUM_CELL_HAS_LAYERS,
+                                    .id = 1,
+                                    .kind = VELUM_CELL_GLOBAL,
+                                    .layers = i == 0 ? &dry : &wet,
+                                    .layer_count = 1}};
+            cells[1] = cells[0];
+            cells[1].flags |= VELUM_CELL_MERGE_LAYERS;
+            cells[1].id = 2;
+            cells[1].kind = VELUM_CELL_RECTANGLE;
+            cells[1].lat_deg = 50.5;
+            cells[1].lon_deg = 8.5;
+            cells[1].half_east_m = cells[1].half_north_m = 20000.0;
+            cells[1].layers = &far_layer;
+            const velum_state_desc desc = {.struct_size = sizeof desc, .cells = cells, .cell_count = count};
+            assert_int_equal(f.world_api->commit(f.world, &desc, &states[i]), VELUM_OK);
+        }
+        const velum_timeline_key keys[2] = {
+            {.struct_size = sizeof keys[0], .time_s = -100.0, .state = states[0]},
+            {.struct_size = sizeof keys[0], .time_s = 50.0, .transition_s = 100.0, .state = states[1]}};
+        assert_int_equal(f.world_api->set_timeline(f.world, keys, 2, 0), VELUM_OK);
+        compare_whole(&f, 1400.0, 0.05f, 0.001, 0.001, count == 1 ? "coming rain" : "coming rain, a region beyond");
         fixture_finish(&f);
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(uniform_layers), cmocka_unit_test(first_contact),
-                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(fringes)};
+                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(fringes),
+                                       cmocka_unit_test(coming_rain)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
