@@ -171,10 +171,10 @@ velum_result engine_destroy(engine *e) {
 }
 
 uint64_t engine_weather_bytes(const engine *e) {
-    uint64_t bytes = e->pages.a.allocation.size + e->pages.b.allocation.size + e->tables.buffer.allocation.size +
-                     e->shape.allocation.size + e->detail.allocation.size + e->air.allocation.size +
-                     e->glow.allocation.size + e->scattering.allocation.size + e->uniforms.allocation.size +
-                     e->counters.allocation.size;
+    uint64_t bytes = e->pages.a.allocation.size + e->pages.b.allocation.size + e->pages.spans.allocation.size +
+                     e->tables.buffer.allocation.size + e->shape.allocation.size + e->detail.allocation.size +
+                     e->air.allocation.size + e->glow.allocation.size + e->scattering.allocation.size +
+                     e->uniforms.allocation.size + e->counters.allocation.size;
     for (uint32_t i = 0; i < e->frames_in_flight; i++) {
         bytes += e->slots[i].staged.buffer.allocation.size + e->slots[i].counters.allocation.size;
     }
