@@ -36,9 +36,18 @@ typedef struct core_tile {
     core_tile_slot slot[VELUM_SLOT_COUNT];
 } core_tile;
 
+/* What a stored value is, 0..1. */
+static inline float core_texel_unit(uint16_t stored) {
+    return (float)stored * (1.0f / 65535.0f);
+}
+
+static inline bool core_span_has_some(velum_span_m span) {
+    return span.low < span.high;
+}
+
 /* Makes the span hold the other; of itself it may hold nothing (low >= high). */
 static inline void core_span_widen(velum_span_m *span, velum_span_m by) {
-    const bool first = span->low >= span->high;
+    const bool first = !core_span_has_some(*span);
     span->low = first || by.low < span->low ? by.low : span->low;
     span->high = first || by.high > span->high ? by.high : span->high;
 }
@@ -46,10 +55,10 @@ static inline void core_span_widen(velum_span_m *span, velum_span_m by) {
 /* Heights of all that the slot has. */
 static inline velum_span_m core_tile_slot_span(const core_tile_slot *slot) {
     velum_span_m span = {slot->min_base_m, slot->max_top_m};
-    if (slot->hem_m.low < slot->hem_m.high) {
+    if (core_span_has_some(slot->hem_m)) {
         core_span_widen(&span, slot->hem_m);
     }
-    if (slot->fall_m.low < slot->fall_m.high) {
+    if (core_span_has_some(slot->fall_m)) {
         core_span_widen(&span, slot->fall_m);
     }
     return span;

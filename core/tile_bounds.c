@@ -10,15 +10,12 @@
 #define SLACK 1.03f
 #define NOWHERE_M 1e9f
 
-static float unit(uint16_t stored) {
-    return (float)stored * (1.0f / 65535.0f);
-}
-
 static velum_slot_fields fields_of(const core_tile_slot *from, size_t i) {
     const uint16_t *a = from->a + i * 4;
     const uint16_t *b = from->b + i * 4;
-    return velum_fields_of_texels(unit(a[0]), unit(a[1]), unit(a[2]), unit(a[3]), unit(b[0]), unit(b[1]), unit(b[2]),
-                                  unit(b[3]));
+    return velum_fields_of_texels(core_texel_unit(a[0]), core_texel_unit(a[1]), core_texel_unit(a[2]),
+                                  core_texel_unit(a[3]), core_texel_unit(b[0]), core_texel_unit(b[1]),
+                                  core_texel_unit(b[2]), core_texel_unit(b[3]));
 }
 
 /* Change from one texel to its neighbours, over a metre, at most: between texels fields are bilinear. */
@@ -40,14 +37,16 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
             const uint16_t *next_b = b + (size_t)step * 4;
             float square = 0.0f;
             for (uint32_t k = 0; k < 3; k++) {
-                float off = velum_texel_wind_m_s(unit(b[k])) - velum_texel_wind_m_s(unit(next_b[k]));
+                float off =
+                    velum_texel_wind_m_s(core_texel_unit(b[k])) - velum_texel_wind_m_s(core_texel_unit(next_b[k]));
                 square += off * off;
             }
             wind = fmaxf(wind, square);
-            coverage = fmaxf(coverage, fabsf(unit(a[0]) - unit(next_a[0])));
-            kind = fmaxf(kind, fabsf(unit(b[3]) - unit(next_b[3])));
+            coverage = fmaxf(coverage, fabsf(core_texel_unit(a[0]) - core_texel_unit(next_a[0])));
+            kind = fmaxf(kind, fabsf(core_texel_unit(b[3]) - core_texel_unit(next_b[3])));
             for (uint32_t k = 1; k < 3; k++) {
-                height = fmaxf(height, fabsf(velum_texel_height_m(unit(a[k])) - velum_texel_height_m(unit(next_a[k]))));
+                height = fmaxf(height, fabsf(velum_texel_height_m(core_texel_unit(a[k])) -
+                                             velum_texel_height_m(core_texel_unit(next_a[k]))));
             }
         }
     }
@@ -175,8 +174,8 @@ static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t t
     float v[8] = {0};
     for (uint32_t k = 0; k < 4; k++) {
         for (uint32_t channel = 0; channel < 4; channel++) {
-            v[channel] += 0.25f * unit(from->a[texels[k] * 4 + channel]);
-            v[4 + channel] += 0.25f * unit(from->b[texels[k] * 4 + channel]);
+            v[channel] += 0.25f * core_texel_unit(from->a[texels[k] * 4 + channel]);
+            v[4 + channel] += 0.25f * core_texel_unit(from->b[texels[k] * 4 + channel]);
         }
     }
     velum_slot_fields f = velum_fields_of_texels(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]);
@@ -227,7 +226,7 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         slopes change = slopes_of(from, side_m / (float)VELUM_TILE_TEXELS);
         float least = 1.0f;
         for (uint32_t i = 0; i < side * side; i++) {
-            least = fminf(least, unit(from->a[(size_t)i * 4]));
+            least = fminf(least, core_texel_unit(from->a[(size_t)i * 4]));
         }
         const velum_slot_fields dense = fields_of(from, densest);
         out->shape[0] = change.wind_1_s;
@@ -263,7 +262,7 @@ void core_tile_fringe_bounds(const core_tile *tile, uint32_t slot, velum_page_bo
     out->most[0] = from->max_scud_1_m + from->max_band_1_m;
     out->most[1] = from->max_fall_1_m;
     for (int i = 0; i < 2; i++) {
-        const bool some = spans[i]->low < spans[i]->high;
+        const bool some = core_span_has_some(*spans[i]);
         out->height[2 * i] = some ? spans[i]->low : NOWHERE_M;
         out->height[2 * i + 1] = some ? spans[i]->high : -NOWHERE_M;
     }

@@ -5,12 +5,8 @@
 /* Of stored heights: what filters round. */
 #define SPARE_M 1.0f
 
-static float unit(uint16_t stored) {
-    return (float)stored * (1.0f / 65535.0f);
-}
-
 static uint32_t word_of(velum_span_m span) {
-    if (span.low >= span.high) {
+    if (!core_span_has_some(span)) {
         return VELUM_SPAN_NONE;
     }
     const float low = floorf(velum_texel_from_height(span.low - SPARE_M) * 65535.0f);
@@ -21,15 +17,17 @@ static uint32_t word_of(velum_span_m span) {
 /* Fields are mixed before spans are made of them: these hold of any mixture. */
 static void widen(const core_tile_slot *from, size_t texel, bool fringe, velum_span_m spans[2]) {
     const uint16_t *a = from->a + texel * 4;
-    const float base_m = velum_texel_height_m(unit(a[1]));
-    const float top_m = velum_texel_height_m(unit(a[2]));
+    const float base_m = velum_texel_height_m(core_texel_unit(a[1]));
+    const float top_m = velum_texel_height_m(core_texel_unit(a[2]));
     if (!fringe) {
         core_span_widen(&spans[0], (velum_span_m){base_m, fmaxf(top_m, base_m + SPARE_M)});
         return;
     }
     const uint16_t *v = from->fringe + texel * 4;
     const core_fringe_reach reach =
-        core_fringe_reach_of(base_m, top_m, velum_fringe_of_texel(unit(v[0]), unit(v[1]), unit(v[2]), unit(v[3])));
+        core_fringe_reach_of(base_m, top_m,
+                             velum_fringe_of_texel(core_texel_unit(v[0]), core_texel_unit(v[1]), core_texel_unit(v[2]),
+                                                   core_texel_unit(v[3])));
     core_span_widen(&spans[0], reach.scud_m);
     core_span_widen(&spans[0], reach.band_m);
     core_span_widen(&spans[1], reach.fall_m);

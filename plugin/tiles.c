@@ -129,13 +129,13 @@ static bool find_tiles(const tiles_context *c, uint32_t key, bool rasterise, cor
 }
 
 static void note_fringe(tiles *t, uint32_t slot, const core_tile_slot *fields) {
-    if (fields->hem_m.low < fields->hem_m.high) {
+    if (core_span_has_some(fields->hem_m)) {
         t->fringes |= 1u << (VELUM_PART_HEM + slot);
         core_span_widen(&t->hem_m[slot], fields->hem_m);
         t->most_scud_1_m[slot] = fmaxf(t->most_scud_1_m[slot], fields->max_scud_1_m);
         t->most_band_1_m[slot] = fmaxf(t->most_band_1_m[slot], fields->max_band_1_m);
     }
-    if (fields->fall_m.low < fields->fall_m.high) {
+    if (core_span_has_some(fields->fall_m)) {
         t->fringes |= 1u << (VELUM_PART_FALL + slot);
         core_span_widen(&t->fall_m[slot], fields->fall_m);
         t->most_fall_1_m[slot] = fmaxf(t->most_fall_1_m[slot], fields->max_fall_1_m);
@@ -201,8 +201,8 @@ static void note_even(evenness *e, const core_tile *tile) {
             e->high_base_m[slot] = fmaxf(e->high_base_m[slot], own->min_base_m);
             e->low_top_m[slot] = fminf(e->low_top_m[slot], own->max_top_m);
             here |= 1u << slot;
-            here |= own->hem_m.low < own->hem_m.high ? 1u << (VELUM_PART_HEM + slot) : 0;
-            here |= own->fall_m.low < own->fall_m.high ? 1u << (VELUM_PART_FALL + slot) : 0;
+            here |= core_span_has_some(own->hem_m) ? 1u << (VELUM_PART_HEM + slot) : 0;
+            here |= core_span_has_some(own->fall_m) ? 1u << (VELUM_PART_FALL + slot) : 0;
         }
     }
     e->everywhere &= here;
@@ -224,10 +224,10 @@ static void widen_mixed(tiles *t, core_tile *const tile[2]) {
         const core_tile_slot *a = &tile[0]->slot[slot];
         const core_tile_slot *b = &tile[1]->slot[slot];
         const velum_span_m reach_m = {t->base_m[slot] - VELUM_SCUD_SHALLOW_M, t->top_m[slot] + VELUM_FALL_JOIN_MOST_M};
-        if (a->a && b->a && (a->hem_m.low < a->hem_m.high) != (b->hem_m.low < b->hem_m.high)) {
+        if (a->a && b->a && core_span_has_some(a->hem_m) != core_span_has_some(b->hem_m)) {
             core_span_widen(&t->hem_m[slot], reach_m);
         }
-        if (a->a && b->a && (a->fall_m.low < a->fall_m.high) != (b->fall_m.low < b->fall_m.high)) {
+        if (a->a && b->a && core_span_has_some(a->fall_m) != core_span_has_some(b->fall_m)) {
             core_span_widen(&t->fall_m[slot], reach_m);
         }
     }

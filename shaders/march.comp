@@ -224,8 +224,8 @@ void main() {
         gap_m = no_gap_m;
         do {
             bool some = meets != 0u;
-            uint bit = some ? 1u << uint(next_part(meets, rise)) : 0u;
-            hit.part = some ? findLSB(bit) : 0;
+            hit.part = some ? next_part(meets, rise) : 0;
+            uint bit = some ? 1u << uint(hit.part) : 0u;
             hit.slot = FRINGED(hit.part & (VELUM_SLOT_COUNT - 1), hit.part);
             meets &= ~bit;
             done |= bit;
@@ -280,14 +280,14 @@ void main() {
         layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
         layer_m = STUDIED(layer_m, rare < 1.0 ? min(layer_m, rare * dt_min + at * growth) : layer_m);
-        layer_m = f.coverage > 0.0 && !uniform_layer ? layer_m : 1.0e9;
+        layer_m = uniform_layer ? 1.0e9 : layer_m;
         allowed = looking ? min(allowed, layer_m) : allowed;
         /* A long step would pass over a cloud's edge. */
         float least_m = within && !found && !is_short ? clamp(1.5 * gap, 0.3 * dt, dt) : dt;
         float own_stride = covered ? clamp(clear, least_m, STUDIED(max(dt, long_dt), long_dt)) : least_m;
-        stride = looking && f.coverage > 0.0 ? min(stride, within ? own_stride : dt) : stride;
+        stride = looking ? min(stride, within ? own_stride : dt) : stride;
         /* What has counted for the step is not counted again. */
-        bool passes = looking && !counted && !is_short && dt > 1.5 * layer_m * hurry && low < hit.span_m.y && high > hit.span_m.x;
+        bool passes = looking && !counted && !is_short && dt > 1.5 * layer_m * hurry;
         bool goes_back = !passes && found && !is_short && !uniform_layer && !glides;
         bool ends = passes || goes_back || meets == 0u; /* the step: else its next layer is looked at */
         /* Layers that the step is not within cost little, and forecasts have many. */

@@ -351,20 +351,13 @@ static void coming_rain(void **state) {
         fixture_init(&f, false);
         uint64_t states[2];
         for (int i = 0; i < 2; i++) {
-            velum_cell cells[2] = {{.struct_size = sizeof cells[0],
-                                    .flags = VELUM_CELL_HAS_LAYERS,
-                                    .id = 1,
-                                    .kind = VELUM_CELL_GLOBAL,
-                                    .layers = i == 0 ? &dry : &wet,
-                                    .layer_count = 1}};
-            cells[1] = cells[0];
+            velum_cell cells[2] = {fixture_cell(i == 0 ? &dry : &wet, 1), fixture_cell(&far_layer, 1)};
             cells[1].flags |= VELUM_CELL_MERGE_LAYERS;
             cells[1].id = 2;
             cells[1].kind = VELUM_CELL_RECTANGLE;
             cells[1].lat_deg = 50.5;
             cells[1].lon_deg = 8.5;
             cells[1].half_east_m = cells[1].half_north_m = 20000.0;
-            cells[1].layers = &far_layer;
             const velum_state_desc desc = {.struct_size = sizeof desc, .cells = cells, .cell_count = count};
             assert_int_equal(f.world_api->commit(f.world, &desc, &states[i]), VELUM_OK);
         }
