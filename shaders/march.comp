@@ -224,8 +224,8 @@ void main() {
         gap_m = no_gap_m;
         do {
             bool some = meets != 0u;
-            hit.part = some ? next_part(meets, rise) : 0;
-            uint bit = some ? 1u << uint(hit.part) : 0u;
+            uint bit = some ? 1u << uint(next_part(meets, rise)) : 0u;
+            hit.part = some ? findLSB(bit) : 0;
             hit.slot = FRINGED(hit.part & (VELUM_SLOT_COUNT - 1), hit.part);
             meets &= ~bit;
             done |= bit;
