@@ -222,10 +222,12 @@ void main() {
         bool looking = false;
         hit.tile = tile;
         gap_m = no_gap_m;
-        do {
+        /* Asked before each turn: software devices let lanes that are done run through the others' turns, and what a turn
+         * leaves is theirs too where it is asked for after it. */
+        for (bool more = true; more; more = velum_uneven && meets != 0u && !looking) {
             bool some = meets != 0u;
-            uint bit = some ? 1u << uint(next_part(meets, rise)) : 0u;
-            hit.part = some ? findLSB(bit) : 0;
+            hit.part = some ? next_part(meets, rise) : 0;
+            uint bit = some ? 1u << uint(hit.part) : 0u;
             hit.slot = FRINGED(hit.part & (VELUM_SLOT_COUNT - 1), hit.part);
             meets &= ~bit;
             done |= bit;
@@ -234,7 +236,7 @@ void main() {
             looking = there && low < hit.span_m.y && high > hit.span_m.x;
             clear_m = there || !some ? clear_m : min(clear_m, reach_m.z);
             gap_m = there ? gap_beside(gap_m, low, high, hit.span_m) : gap_m;
-        } while (velum_uneven && meets != 0u && !looking);
+        }
         hit.fields.coverage = looking ? hit.fields.coverage : 0.0;
         /* Fields are known here alone: elsewhere layers lie higher or lower, at the edges of regions by steep walls. */
         float own_m = min(0.7 * gap_way_m(gap_m, h, rise), top_way * (h - gap_m.x));
