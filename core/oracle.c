@@ -163,11 +163,11 @@ static void gather_layers(oracle_cursor *cursor, const oracle_place *place, wind
         if (f.coverage <= 0.0f) {
             continue;
         }
-        float cloud = oracle_cursor_cloud(cursor, place, slot);
-        float extinction = cloud + oracle_cursor_fringe(cursor, place, slot);
+        const oracle_extinction of = oracle_cursor_slot(cursor, place, slot);
+        const float extinction = of.cloud_1_m + of.fringe_1_m;
         out->slot_extinction_1_m[slot] = extinction;
         out->extinction_1_m += extinction;
-        out->water_g_m3 += cloud * water_per_extinction(slot);
+        out->water_g_m3 += of.cloud_1_m * water_per_extinction(slot);
         out->coverage = fmaxf(out->coverage, f.coverage);
         ceiling_m = fmaxf(ceiling_m, f.top_m);
         if (slot < VELUM_SLOT_UNIFORM) {

@@ -8,6 +8,9 @@
 
 /* Beyond this from where its phases were formed, noise is found from a new origin: floats stay within millimetres. */
 #define NOISE_REACH_M 16000.0
+#define NO_QUAD UINT32_MAX
+/* The least that a texel measures of its nominal size: at the middle of a face's side, 1 / sqrt 2. */
+#define NARROWEST 0.7
 
 void oracle_cursor_init(oracle_cursor *cursor, const core_oracle *oracle, double footprint_m) {
     memset(cursor, 0, sizeof *cursor);
@@ -37,8 +40,7 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
     const core_oracle *oracle = cursor->oracle;
     drop_tiles(cursor);
     cursor->data_key = data_key;
-    cursor->min_base_m = 1e9f;
-    cursor->max_top_m = -1e9f;
+    cursor->quad = NO_QUAD;
     for (int s = 0; s < (blends(oracle) ? 2 : 1); s++) {
         if (!oracle->state[s]) {
             continue;
@@ -47,13 +49,6 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
         if (!cursor->tile[s]) {
             cursor->result = VELUM_ERROR_OUT_OF_MEMORY;
             continue;
-        }
-        for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-            if (cursor->tile[s]->mask & (1u << slot)) {
-                const velum_span_m span = core_tile_slot_span(&cursor->tile[s]->slot[slot]);
-                cursor->min_base_m = fminf(cursor->min_base_m, span.low);
-                cursor->max_top_m = fmaxf(cursor->max_top_m, span.high);
-            }
         }
     }
 }
@@ -82,6 +77,28 @@ static void set_place(oracle_place *place, const double ecef_m[3]) {
     place->normal[2] = z * norm;
 }
 
+/* Fields are mixed of the texels about a place: between those, what they span holds everything. */
+static void take_spans(oracle_cursor *cursor, core_tile_quad quad) {
+    cursor->quad = quad.texel;
+    memset(cursor->span, 0, sizeof cursor->span);
+    for (int s = 0; s < 2; s++) {
+        for (uint32_t slot = 0; cursor->tile[s] && cursor->tile[s]->mask >> slot; slot++) {
+            if (cursor->tile[s]->mask & (1u << slot)) {
+                const velum_span_m span = core_tile_quad_span(cursor->tile[s], slot, quad);
+                if (core_span_has_some(span)) {
+                    core_span_widen(&cursor->span[slot], span);
+                }
+            }
+        }
+    }
+}
+
+static float edge_of(float x, float y) {
+    const float over_x = velum_fract(x);
+    const float over_y = velum_fract(y);
+    return fminf(fminf(over_x, 1.0f - over_x), fminf(over_y, 1.0f - over_y));
+}
+
 oracle_place oracle_cursor_move(oracle_cursor *cursor, const double ecef_m[3]) {
     oracle_place place = {0};
     set_place(&place, ecef_m);
@@ -102,6 +119,12 @@ oracle_place oracle_cursor_move(oracle_cursor *cursor, const double ecef_m[3]) {
     float scale = 1.0f / (float)(1u << (cursor->level - velum_tile_key_level(cursor->data_key)));
     place.s = velum_fract(x * scale);
     place.t = velum_fract(y * scale);
+    const core_tile_quad quad = core_tile_quad_at(place.s, place.t);
+    if (quad.texel != cursor->quad) {
+        take_spans(cursor, quad);
+    }
+    cursor->same_m = NARROWEST * fmin((double)edge_of(x, y) * VELUM_TILE_TEXELS * core_tile_texel_m(cursor->level),
+                                      (double)quad.edge * core_tile_texel_m(velum_tile_key_level(cursor->data_key)));
 
     double moved2 = 0.0;
     for (int axis = 0; axis < 3; axis++) {
@@ -171,38 +194,44 @@ static noise_point noise_point_of(const oracle_cursor *cursor, const oracle_plac
     return p;
 }
 
-static bool is_within(const oracle_cursor *cursor, const oracle_place *place) {
-    return cursor->result == VELUM_OK && place->height_m >= (double)cursor->min_base_m &&
-           place->height_m <= (double)cursor->max_top_m;
+static bool is_within(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    return cursor->result == VELUM_OK && place->height_m >= (double)cursor->span[slot].low &&
+           place->height_m <= (double)cursor->span[slot].high && core_span_has_some(cursor->span[slot]);
 }
 
-float oracle_cursor_cloud(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
-    if (!is_within(cursor, place)) {
-        return 0.0f;
-    }
-    velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
-    noise_point p = noise_point_of(cursor, place, slot);
-    return core_cloud_extinction(&cursor->noise[slot], &fields, p.point_m, p.normal, (float)place->height_m, p.fine);
-}
-
-float oracle_cursor_fringe(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
-    if (!is_within(cursor, place) || !has_fringe(cursor, slot)) {
-        return 0.0f;
-    }
-    velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
-    velum_fringe fringe = fringe_at(cursor, place, slot);
-    noise_point p = noise_point_of(cursor, place, slot);
-    return core_cloud_fringe(&cursor->noise[slot], &fields, &fringe, p.point_m, p.normal, (float)place->height_m,
-                             p.fine);
-}
-
-float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place) {
-    float total = 0.0f;
-    uint32_t mask = oracle_cursor_mask(cursor);
+double oracle_cursor_clear_m(const oracle_cursor *cursor, const oracle_place *place) {
+    double clear_m = cursor->same_m;
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        if (mask & (1u << slot)) {
-            total += oracle_cursor_cloud(cursor, place, slot) + oracle_cursor_fringe(cursor, place, slot);
+        const velum_span_m span = cursor->span[slot];
+        if (core_span_has_some(span)) {
+            clear_m = fmin(clear_m, fmax((double)span.low - place->height_m, place->height_m - (double)span.high));
         }
+    }
+    return clear_m;
+}
+
+oracle_extinction oracle_cursor_slot(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
+    oracle_extinction out = {0};
+    if (!is_within(cursor, place, slot)) {
+        return out;
+    }
+    const core_cloud_noise *noise = &cursor->noise[slot];
+    const velum_slot_fields fields = oracle_cursor_fields(cursor, place, slot);
+    const noise_point p = noise_point_of(cursor, place, slot);
+    out.cloud_1_m = core_cloud_extinction(noise, &fields, p.point_m, p.normal, (float)place->height_m, p.fine);
+    if (has_fringe(cursor, slot)) {
+        const velum_fringe fringe = fringe_at(cursor, place, slot);
+        out.fringe_1_m =
+            core_cloud_fringe(noise, &fields, &fringe, p.point_m, p.normal, (float)place->height_m, p.fine);
+    }
+    return out;
+}
+
+float oracle_cursor_total(const oracle_cursor *cursor, const oracle_place *place) {
+    float total = 0.0f;
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        const oracle_extinction extinction = oracle_cursor_slot(cursor, place, slot);
+        total += extinction.cloud_1_m + extinction.fringe_1_m;
     }
     return total;
 }

@@ -4,6 +4,7 @@
 
 #include "cloud_sample.h"
 #include "oracle.h"
+#include "tile_spans.h"
 
 typedef struct oracle_cursor {
     const core_oracle *oracle;
@@ -12,7 +13,9 @@ typedef struct oracle_cursor {
     double distance_m; /* at which a picture's pixel is as large as the footprint */
     uint32_t key, data_key;
     core_tile *tile[2];
-    float min_base_m, max_top_m; /* of the tiles, with hems and what falls */
+    velum_span_m span[VELUM_SLOT_COUNT]; /* of what there is between the texels about the place */
+    uint32_t quad;                       /* those texels */
+    double same_m;                       /* as far from the place, at least, the spans hold */
     double noise_origin_m[3];
     bool has_noise;
     core_cloud_noise noise[VELUM_SLOT_COUNT];
@@ -33,9 +36,13 @@ oracle_place oracle_cursor_move(oracle_cursor *cursor, const double ecef_m[3]);
 /* Slots with cloud in the tiles. */
 uint32_t oracle_cursor_mask(const oracle_cursor *cursor);
 velum_slot_fields oracle_cursor_fields(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
-/* Extinction of a slot's cloud at the place, 1/m; of its scud and of what falls from it. */
-float oracle_cursor_cloud(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
-float oracle_cursor_fringe(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
-float oracle_cursor_total(oracle_cursor *cursor, const oracle_place *place);
+/* Of a slot's cloud; of its hem and of what falls from it. */
+typedef struct oracle_extinction {
+    float cloud_1_m, fringe_1_m;
+} oracle_extinction;
+oracle_extinction oracle_cursor_slot(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot);
+float oracle_cursor_total(const oracle_cursor *cursor, const oracle_place *place);
+/* As far as this there is nothing around the place to which the cursor moved last; 0 or less: not known. */
+double oracle_cursor_clear_m(const oracle_cursor *cursor, const oracle_place *place);
 
 #endif

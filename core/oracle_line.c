@@ -8,7 +8,6 @@
 
 /* No feature of the noises is smaller than its texels, 5 m for the finest; samples are a quarter of a panel apart. */
 #define PANEL_M 8.0
-#define SKIP_M 25.0 /* over empty tiles, or below or above all cloud of a tile */
 #define DEPTH_MAX 16
 #define CONTACT_WITHIN_M 0.2
 
@@ -82,23 +81,14 @@ static double integrate(walk *w, double t0, double f0, double tm, double fm, dou
     return integrate(w, t0, f0, tl, fl, tm, fm, depth + 1) + integrate(w, tm, fm, tr, fr, t1, f1, depth + 1);
 }
 
-/* How far on the ray any cloud can be at the soonest: heights change by at most a metre a metre. */
-static double skip_m(const walk *w, const oracle_place *place) {
-    if (!oracle_cursor_mask(&w->cursor)) {
-        return SKIP_M;
-    }
-    double gap_m = fmax((double)w->cursor.min_base_m - place->height_m, place->height_m - (double)w->cursor.max_top_m);
-    return fmin(gap_m, SKIP_M);
-}
-
 static void walk_stretch(walk *w, double begin_m, double end_m) {
     double t = begin_m;
     while (t < end_m && w->cursor.result == VELUM_OK) {
         oracle_place place = place_at(w, t);
-        double skip = skip_m(w, &place);
-        if (skip > PANEL_M) {
+        double clear_m = oracle_cursor_clear_m(&w->cursor, &place);
+        if (clear_m > PANEL_M) {
             look_for_contact(w, t, 0.0);
-            t += skip;
+            t += clear_m;
             continue;
         }
         double next = fmin(t + PANEL_M, end_m);

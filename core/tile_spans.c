@@ -55,3 +55,35 @@ void core_tile_spans(const core_tile *tile, uint32_t slot, uint32_t words[VELUM_
         words[VELUM_PARTS * VELUM_PARTS + part] = some[0] && some[2] ? word_of(spans[1]) : VELUM_SPAN_NONE;
     }
 }
+
+core_tile_quad core_tile_quad_at(float s, float t) {
+    const float x = velum_clamp(s, 0.0f, 1.0f) * VELUM_TILE_TEXELS + 0.5f;
+    const float y = velum_clamp(t, 0.0f, 1.0f) * VELUM_TILE_TEXELS + 0.5f;
+    const uint32_t i = (uint32_t)fminf(x, VELUM_TILE_SIDE - 2);
+    const uint32_t j = (uint32_t)fminf(y, VELUM_TILE_SIDE - 2);
+    const float over_x = x - (float)i;
+    const float over_y = y - (float)j;
+    return (core_tile_quad){j * VELUM_TILE_SIDE + i, fminf(fminf(over_x, 1.0f - over_x), fminf(over_y, 1.0f - over_y))};
+}
+
+velum_span_m core_tile_quad_span(const core_tile *tile, uint32_t slot, core_tile_quad quad) {
+    const core_tile_slot *from = &tile->slot[slot];
+    const size_t corner[4] = {quad.texel, quad.texel + 1, quad.texel + VELUM_TILE_SIDE,
+                              quad.texel + VELUM_TILE_SIDE + 1};
+    velum_span_m spans[4] = {0}; /* cloud, nothing, hem, fall */
+    bool some = false;
+    for (uint32_t k = 0; k < 4; k++) {
+        some = some || from->a[corner[k] * 4] > 0;
+        widen(from, corner[k], false, &spans[0]);
+        if (from->fringe) {
+            widen(from, corner[k], true, &spans[2]);
+        }
+    }
+    velum_span_m whole = {0};
+    for (uint32_t k = 0; some && k < 4; k++) {
+        if (core_span_has_some(spans[k])) {
+            core_span_widen(&whole, (velum_span_m){spans[k].low - SPARE_M, spans[k].high + SPARE_M});
+        }
+    }
+    return whole;
+}

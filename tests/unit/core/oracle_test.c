@@ -185,6 +185,31 @@ static void points_agree_with_the_density_function(void **state) {
     assert_true(inside > 300);
 }
 
+/* Whether there is contact. */
+static bool agrees_with_brute_force(const core_oracle *oracle, const double from[3], const double to[3]) {
+    double length = sqrt((to[0] - from[0]) * (to[0] - from[0]) + (to[1] - from[1]) * (to[1] - from[1]) +
+                         (to[2] - from[2]) * (to[2] - from[2]));
+    core_oracle_line line;
+    assert_int_equal(core_oracle_along(oracle, from, to, 0.0, 0.0f, &line, NULL), VELUM_OK);
+    double depth = 0.0;
+    double contact = -1.0;
+    const int steps = (int)(length / 0.5);
+    for (int k = 0; k < steps; k++) {
+        double t = (k + 0.5) / steps;
+        const double p[3] = {from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1]),
+                             from[2] + t * (to[2] - from[2])};
+        double extinction = (double)extinction_at(oracle, p);
+        depth += extinction * length / steps;
+        if (contact < 0.0 && extinction > 1e-4) {
+            contact = t * length;
+        }
+    }
+    assert_true(fabs(line.optical_depth - depth) < 1e-3 * fmax(depth, 1.0));
+    assert_int_equal(line.has_contact, contact >= 0.0);
+    assert_true(!line.has_contact || fabs(line.first_contact_m - contact) < 1.0);
+    return line.has_contact;
+}
+
 static void lines_agree_with_brute_force(void **state) {
     const fixture *f = *state;
     const core_oracle oracle = oracle_of(f, f->windy, f->windy, 3000.0);
@@ -194,31 +219,45 @@ static void lines_agree_with_brute_force(void **state) {
         double to[3];
         point_at(50.0 + 0.1 * i, 8.0, 300.0 + 500.0 * i, from);
         point_at(50.0 + 0.1 * i, 8.06, 2600.0 - 450.0 * i, to);
-        double length = sqrt((to[0] - from[0]) * (to[0] - from[0]) + (to[1] - from[1]) * (to[1] - from[1]) +
-                             (to[2] - from[2]) * (to[2] - from[2]));
-        core_oracle_line line;
-        assert_int_equal(core_oracle_along(&oracle, from, to, 0.0, 0.0f, &line, NULL), VELUM_OK);
-        double depth = 0.0;
-        double contact = -1.0;
-        const int steps = (int)(length / 0.5);
-        for (int k = 0; k < steps; k++) {
-            double t = (k + 0.5) / steps;
-            const double p[3] = {from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1]),
-                                 from[2] + t * (to[2] - from[2])};
-            double extinction = (double)extinction_at(&oracle, p);
-            depth += extinction * length / steps;
-            if (contact < 0.0 && extinction > 1e-4) {
-                contact = t * length;
-            }
-        }
-        assert_true(fabs(line.optical_depth - depth) < 1e-3 * fmax(depth, 1.0));
-        assert_int_equal(line.has_contact, contact >= 0.0);
-        if (line.has_contact) {
-            assert_true(fabs(line.first_contact_m - contact) < 1.0);
-            contacts++;
-        }
+        contacts += agrees_with_brute_force(&oracle, from, to);
     }
     assert_true(contacts > 0);
+}
+
+/* Two layers that end within the lines' reach, the lower with rain and scud, under which it goes on for long; alone,
+ * and where the weather changes to one that is the same everywhere. */
+static void lines_pass_over_what_lies_elsewhere(void **state) {
+    const fixture *f = *state;
+    velum_layer layers[2] = {layer_of(VELUM_GENUS_NS, 0.8f, 1400.0f, 2200.0f),
+                             layer_of(VELUM_GENUS_CU, 0.6f, 2600.0f, 3900.0f)};
+    layers[0].precipitation = VELUM_PRECIPITATION_RAIN;
+    layers[0].precipitation_mm_h = 3.0f;
+    layers[0].scud = 0.5f;
+    velum_cell cells[2] = {cell_of(VELUM_CELL_RECTANGLE, 1, &layers[0], 1),
+                           cell_of(VELUM_CELL_RECTANGLE, 2, &layers[1], 1)};
+    for (int i = 0; i < 2; i++) {
+        cells[i].lat_deg = 50.0;
+        cells[i].lon_deg = 8.0 + 0.12 * i;
+        cells[i].half_east_m = cells[i].half_north_m = 5000.0;
+        cells[i].transition_m = 2000.0;
+    }
+    const velum_state_desc desc = desc_of(cells, 2);
+    core_state *uneven = state_of(&desc, NULL, 9);
+    const core_oracle alone = oracle_of(f, uneven, uneven, 500.0);
+    core_oracle changing = oracle_of(f, uneven, f->windy, 500.0);
+    changing.blend = 0.4f;
+    int contacts = 0;
+    for (int i = 0; i < 5; i++) {
+        static const double east_deg[] = {0.0, 0.02, 0.1, 0.25, -0.2};
+        double from[3];
+        double to[3];
+        point_at(50.0, 8.03 + 0.02 * i, i == 4 ? 5000.0 : 10.0, from);
+        point_at(50.01, 8.03 + 0.02 * i + east_deg[i], i == 4 ? 0.0 : 5000.0, to);
+        contacts += agrees_with_brute_force(&alone, from, to);
+        contacts += agrees_with_brute_force(&changing, from, to);
+    }
+    assert_true(contacts > 4);
+    core_state_unref(uneven);
 }
 
 static void long_lines_end(void **state) {
@@ -370,6 +409,7 @@ int main(void) {
         cmocka_unit_test(slanted_slab_follows_the_sphere),
         cmocka_unit_test(points_agree_with_the_density_function),
         cmocka_unit_test(lines_agree_with_brute_force),
+        cmocka_unit_test(lines_pass_over_what_lies_elsewhere),
         cmocka_unit_test(long_lines_end),
         cmocka_unit_test(same_question_same_answer),
         cmocka_unit_test(clouds_go_with_the_wind),

@@ -21,30 +21,42 @@ static bool holds(span_m span, float low_m, float high_m) {
     return !span.none && low_m >= span.low && high_m <= span.high;
 }
 
-/* How many places of each kind were looked at, how many parts have nothing, how many less than all that the tile has.
- */
+/* How many places of each kind were looked at, how many parts have nothing, how many less than all that the tile has;
+ * about how many places it is less. */
 typedef struct seen {
-    int cloud, hem, fall, empty, tight;
+    int cloud, hem, fall, empty, tight, narrow;
 } seen;
 
 static void look(const core_tile *tile, uint32_t slot, const uint32_t *cloud, const uint32_t *fringe, float s, float t,
                  seen *count) {
     const velum_slot_fields f = core_tile_sample(tile, slot, s, t);
+    const core_tile_quad quad = core_tile_quad_at(s, t);
+    const velum_span_m about = core_tile_quad_span(tile, slot, quad);
+    const float near = fmaxf(0.99f * quad.edge - 1e-4f, 0.0f) / VELUM_TILE_TEXELS; /* rounded places stay in it */
+    for (int k = 0; k < 4; k++) {
+        const core_tile_quad beside = core_tile_quad_at(s + (k & 1 ? near : -near), t + (k & 2 ? near : -near));
+        assert_int_equal(beside.texel, quad.texel);
+    }
     const uint32_t part = (uint32_t)(t * VELUM_PARTS) * VELUM_PARTS + (uint32_t)(s * VELUM_PARTS);
     if (f.coverage <= 0.0f) {
         return;
     }
     assert_true(holds(span_of(cloud[part]), f.base_m, f.top_m));
+    assert_true(about.low <= f.base_m && about.high >= f.top_m);
+    const velum_span_m all = core_tile_slot_span(&tile->slot[slot]);
+    count->narrow += about.high - about.low < 0.9f * (all.high - all.low);
     count->cloud++;
     const velum_fringe g = core_tile_fringe(tile, slot, s, t);
     if (g.scud > 0.0f || g.transition_m > 0.0f) {
         const velum_span_m hem = velum_hem_span(f, g);
         assert_true(holds(span_of(fringe[part]), hem.low, hem.high));
+        assert_true(about.low <= hem.low && about.high >= hem.high);
         count->hem++;
     }
     if (g.fall > 0.0f) {
         const velum_span_m fall = velum_fall_span(f, g);
         assert_true(holds(span_of(fringe[VELUM_PARTS * VELUM_PARTS + part]), fall.low, fall.high));
+        assert_true(about.low <= fall.low && about.high >= fall.high);
         count->fall++;
     }
 }
@@ -113,7 +125,7 @@ static void spans_hold(void **state) {
     core_state_unref(made);
     assert_true(count.cloud > 10000 && count.hem > 1000 && count.fall > 1000);
     /* They tell something. */
-    assert_true(count.empty > 20 && count.tight > 20);
+    assert_true(count.empty > 20 && count.tight > 20 && count.narrow > 20);
 }
 
 int main(void) {
