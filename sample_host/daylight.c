@@ -71,6 +71,12 @@ void daylight_compute(double sun_sine, const float illuminance_lx[3], bool atmos
     }
 }
 
+/* What shows of the sky, by its mean: by day a few times as much; in twilight it is bright over the sun alone, the more
+ * so the deeper that is (by the sky that Velum draws, 9 times at -3 degrees, 25 at -6). */
+static double sky_brightest(double elevation_deg) {
+    return 3 * exp2(fmin(fmax(1 - elevation_deg, 0), 7) / 2);
+}
+
 double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool atmosphere,
                          const struct cloud_cover *cover) {
     static const struct cloud_cover none = {0, 0};
@@ -81,8 +87,9 @@ double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool at
     double open = open_sky(cover);
     double more_gaps = fmin(fmax(1 / fmax(sun_sine, 0.01) - 2, 0), 4);
     double lit = pow(fmax(open, 0.1), 0.5 * more_gaps);
-    double clear_lx = luminance_of(light.sun_lx) + 3 * luminance_of(light.sky_lx);
-    double level_lx = luminance_of(light.sun_lx) * lit + 3 * luminance_of(light.sky_lx);
+    double sky_lx = sky_brightest(degrees_of_sine(sun_sine)) * luminance_of(light.sky_lx);
+    double clear_lx = luminance_of(light.sun_lx) + sky_lx;
+    double level_lx = luminance_of(light.sun_lx) * lit + sky_lx;
     /* Thin or broken cloud is as bright as anything in the sky; under a third of the light the eye follows. It never
      * makes up for all that is lost along the way: overcast stays duller than sunshine, and cloud beneath the eye
      * takes none. */

@@ -37,7 +37,7 @@ bool renderer_exposure(struct renderer *renderer, double time_s, float *out) {
     struct cloud_cover cover;
     struct eye_pose pose;
     scene_pose(renderer->scene, time_s, &pose);
-    if (!scene_cloud_cover(renderer->scene, &pose.camera, pose.camera.height_m, time_s, &cover)) {
+    if (!cover_around(renderer->scene, &renderer->cover_over_eye, &pose.camera, pose.camera.height_m, time_s, &cover)) {
         return false;
     }
     *out = (float)daylight_exposure(sun_sine(renderer, &pose, time_s), scenario->sun_illuminance_lx,
@@ -238,8 +238,8 @@ VkCommandBuffer renderer_record(struct renderer *renderer, const struct frame_re
     place_views(renderer, request);
     velum_scenario_sun(scenario, request->time_s, lighting.sun);
     if (!prepare(renderer, request->time_s) ||
-        !scene_cloud_cover(renderer->scene, &renderer->pose.camera, (double)scenario->geoid_undulation_m,
-                           request->time_s, &cover) ||
+        !cover_around(renderer->scene, &renderer->cover_over_ground, &renderer->pose.camera,
+                      (double)scenario->geoid_undulation_m, request->time_s, &cover) ||
         !wait_for_slot(renderer, slot, &completed)) {
         return VK_NULL_HANDLE;
     }

@@ -2,6 +2,7 @@
 #ifndef HOST_RENDERER_H
 #define HOST_RENDERER_H
 
+#include "cover.h"
 #include "device.h"
 #include "files.h"
 #include "gpu.h"
@@ -50,6 +51,7 @@ struct renderer {
     VkSampler sampler;
     struct gpu_pipeline ground, ground_depth, compose;
     struct eye_pose pose; /* of the newest frame */
+    struct cover_answers cover_over_eye, cover_over_ground;
     bool full_precision;
     uint32_t path_limit; /* of the reference; 0: none */
     bool incomplete;     /* the newest frame lacked tiles */

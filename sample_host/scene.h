@@ -2,19 +2,11 @@
 #ifndef HOST_SCENE_H
 #define HOST_SCENE_H
 
-#include "daylight.h"
 #include "options.h"
 #include "plugin.h"
 
 #include <stdbool.h>
 #include <velum_weather/weather.h>
-
-/* The newest answer of scene_cloud_cover: frames that settle ask the same again. */
-struct cover_answer {
-    bool is_known;
-    double lat_deg, lon_deg, height_m, time_s;
-    struct cloud_cover cover;
-};
 
 struct scene {
     velum_scenario *scenario;
@@ -22,7 +14,6 @@ struct scene {
     velum_world *world;
     bool has_pose; /* of the command line: stands for the scenario's camera */
     velum_scenario_camera pose;
-    struct cover_answer cover;
 };
 
 /* Where the eye is, and its axes in ECEF. */
@@ -43,9 +34,5 @@ void scene_pose(const struct scene *scene, double time_s, struct eye_pose *out);
 
 /* A point over latitude and longitude, ECEF. */
 void scene_point(double lat_deg, double lon_deg, double height_m, double position_m[3]);
-
-/* Cloud over a height at the place of a camera. False: the plugin refused (reported). */
-bool scene_cloud_cover(struct scene *scene, const velum_scenario_camera *place, double height_m, double time_s,
-                       struct cloud_cover *out);
 
 #endif
