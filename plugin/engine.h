@@ -39,6 +39,8 @@ typedef struct shadow shadow;
 /* Variants of a pass, added to its first: two weather states, or two lives of the noise; closed sheets and uniform
  * layers; layers with scud, transition band or precipitation. */
 enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
+/* In the place of PASS_CLOSED, of PASS_SHADOW: weather that differs from place to place. */
+enum { PASS_UNEVEN = PASS_CLOSED };
 /* Those of PASS_RESOLVE: there may be ground in sight that the host does not draw; has given its depth; gives arrays of
  * pictures; history moves, or is kept where it is. */
 enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_KEEPS = 16, PASS_RESOLVE_VARIANTS = 24 };
@@ -47,9 +49,9 @@ typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
-    PASS_DUE,                                /* rays of views that stand */
-    PASS_FINER,                              /* rays of views that move */
-    PASS_MARCH,                              /* eight */
+    PASS_DUE,                                       /* rays of views that stand */
+    PASS_FINER,                                     /* rays of views that move */
+    PASS_MARCH,                                     /* eight */
     PASS_MARCH_UNEVEN = PASS_MARCH + PASS_VARIANTS, /* eight, for weather that differs from place to place */
     PASS_LIGHT = PASS_MARCH_UNEVEN + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
     PASS_GATHER = PASS_LIGHT + PASS_VARIANTS,

@@ -166,7 +166,7 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl; 10 of march.comp. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl; 10 of uneven.glsl. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
@@ -264,7 +264,8 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .moves = resolves && kind & PASS_MOVES,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
                             .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1,
-                            .uneven = is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_MARCH_STUDY)};
+                            .uneven = is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_MARCH_STUDY) ||
+                                      (is_of(which, PASS_SHADOW) && kind & PASS_UNEVEN)};
     return make_variant(p, g, which, &values, &p->pipeline[which]);
 }
 
@@ -318,8 +319,7 @@ static bool create_listed(pipeline_list *list, gpu *g) {
 static bool is_left_out(pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_LIGHT);
-    return is_of(which, PASS_MARCH_STUDY) || (is_of(which, PASS_SHADOW) && kind & PASS_CLOSED) ||
-           (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
+    return is_of(which, PASS_MARCH_STUDY) || (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
            (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
 }
 

@@ -186,7 +186,8 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
     for (int i = 0; i < 3; i++) {
         block.sun[i] = (float)key->sun[i];
     }
-    const pass which = (pass)(PASS_SHADOW + (blocks_mix(e) ? PASS_MIXED : 0) + (block.table[3] ? PASS_FRINGED : 0));
+    const pass which = (pass)(PASS_SHADOW + (blocks_mix(e) ? PASS_MIXED : 0) + (block.table[3] ? PASS_FRINGED : 0) +
+                              (s->tiles.uneven ? PASS_UNEVEN : 0));
     if (!pipelines_need(&e->passes, g, &which, 1) || !frame_engine_set(e, &e->glow, &sets[0]) ||
         !write_set(e, s, &sets[1])) {
         return gpu_result(g);

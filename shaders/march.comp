@@ -7,6 +7,7 @@
 #include "due.glsl"
 #include "weather.glsl"
 #include "study.glsl"
+#include "uneven.glsl"
 #include "cloud_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
@@ -14,9 +15,6 @@ layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly ima
 layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
     uint counters[4];
 };
-
-/* Weather differs from place to place: parts of tiles tell where layers are. Else that would be asked for nothing. */
-layout(constant_id = 10) const bool velum_uneven = true;
 
 /* Both uniform layers, no other. */
 const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
@@ -26,6 +24,8 @@ const float short_share = 0.18;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
+/* However steep the ray, no shorter than this share of it, or than the shortest. */
+const float thin_share = 0.3;
 /* Of a layer's thickness, along a ray that comes in through its base; but no shorter than this share of the shortest. */
 const float foot_share = 0.02, foot_least = 0.25;
 /* Along a ray over tops, m a metre over them. */
@@ -43,21 +43,6 @@ const float opaque = 0.0015;
 
 /* Software devices run both sides of every branch, and the body of a loop at least once: only later turns of a loop are
  * left out, when all lanes have left it. */
-
-/* Between the heights of layers that a step does not meet: highest below, lowest above. */
-const vec2 no_gap_m = vec2(-1.0e9, 1.0e9);
-vec2 gap_beside(vec2 gap_m, float low, float high, vec2 span_m) {
-    return vec2(low > span_m.y ? max(gap_m.x, span_m.y) : gap_m.x, high < span_m.x ? min(gap_m.y, span_m.x) : gap_m.y);
-}
-
-/* How far a ray at height h that rises by `rise` a metre is in it (curvature makes every ray rise faster as it goes). */
-float gap_way_m(vec2 gap_m, float h, float rise) {
-    const float r = VELUM_WGS84_A_M;
-    float up = r * (sqrt(rise * rise + 2.0 * (gap_m.y - h) / r) - rise);
-    float inside = rise * rise - 2.0 * (h - gap_m.x) / r;
-    float down = rise < 0.0 && inside > 0.0 ? r * (-rise - sqrt(inside)) : 1.0e9;
-    return min(up, down);
-}
 
 /* Excess below which a column has no cloud at any height that the ray comes to before it meets one: where `here` is
  * wanted, and it rises by at most 1 in `rank_m`. */
@@ -200,8 +185,7 @@ void main() {
             clear_m = outside || present ? clear_m : reach_m.x;
             meets |= !outside && present ? bit : 0u;
         }
-        ivec2 page_part = part_at(tile.uv);
-        uint part_word = uint(page_part.y * VELUM_PARTS + page_part.x);
+        uint part_word = part_word_of(tile);
         for (uint rest = velum_uneven ? FRINGED(meets, meets & ~done) : 0u; rest != 0u; rest &= rest - 1u) {
             int candidate = findLSB(rest);
             vec2 span_m = FRINGED(part_heights_m(tile, candidate, part_word), slot_heights_m(tile, candidate, part_word));
@@ -275,7 +259,8 @@ void main() {
         float start_m = position;
 
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
-        float layer_m = max(layer_share * max(hit.span_m.y - hit.span_m.x, 1.0) / max(abs(rise), 1.0e-3), dt_min);
+        float deep_m = max(hit.span_m.y - hit.span_m.x, 1.0);
+        float layer_m = max(layer_share * deep_m / max(abs(rise), 1.0e-3), min(dt_min, thin_share * deep_m));
         /* Over a base rims are thin: steps from there on grow by and by. */
         float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
         float in_m = rise > 0.0 && h1 > hit.span_m.x && !hit.smooth_part ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;

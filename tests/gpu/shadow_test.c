@@ -1,5 +1,6 @@
 /* Shadow maps over frames: fixed to the world, renewed a little in each frame, following the sun. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -270,9 +271,103 @@ static void another_sun_is_drawn_at_once(void **state) {
     fixture_finish(&d.f);
 }
 
+static velum_layer layer_between(int32_t genus, float base_m, float top_m, float coverage) {
+    velum_layer layer = fixture_cumulus();
+    layer.genus = genus;
+    layer.coverage = coverage;
+    layer.base_m = base_m;
+    layer.top_m = top_m;
+    return layer;
+}
+
+/* Root of the mean square of what a new map says of places on the ground, less what the world says of their lines to
+ * the sun. */
+static double map_error(fixture *f) {
+    enum { TEXELS = 128, PLACES = 24 };
+    static float texels[TEXELS * TEXELS];
+    double east[3], north[3], up[3], sun[3];
+    fixture_axes(50.0, 8.5, east, north, up);
+    for (int i = 0; i < 3; i++) {
+        sun[i] = 0.5 * up[i] + sqrt(0.75) * north[i];
+    }
+    const velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_EARTH);
+    velum_shadow_frame where = {.struct_size = sizeof where};
+    velum_shadow_geometry g = {.struct_size = sizeof g};
+    velum_shadow *map = NULL;
+    const velum_shadow_desc desc = {.struct_size = sizeof desc, .levels = 1, .texels = TEXELS, .extent_m = 32768.0f};
+    fixture_position(50.0, 8.5, 0.0, where.centre_ecef_m);
+    assert_int_equal(f->engine_api->create_shadow(f->engine, &desc, &map), VELUM_OK);
+    assert_int_equal(f->standalone_api->render_shadow(f->engine, &frame, map, &where, texels, TEXELS * TEXELS),
+                     VELUM_OK);
+    assert_int_equal(f->engine_api->get_shadow_geometry(map, &g), VELUM_OK);
+    assert_int_equal(f->engine_api->destroy_shadow(map), VELUM_OK);
+    double sum = 0.0;
+    for (int k = 0; k < PLACES * PLACES; k++) {
+        /* The middles of texels: between them a map tells the mean of four. */
+        const double u = ((k % PLACES * 4 + 16) + 0.5) / TEXELS - (double)g.block.level[0][1];
+        const double v = ((k / PLACES * 4 + 16) + 0.5) / TEXELS - (double)g.block.level[0][2];
+        velum_line_query line = {.struct_size = sizeof line, .footprint_m = 20.0};
+        velum_line_answer answer = {.struct_size = sizeof answer};
+        double along = 0.0, from2 = 0.0, plane[3];
+        for (int i = 0; i < 3; i++) {
+            plane[i] = g.origin_ecef_m[i] +
+                       (double)g.block.level[0][0] * (u * (double)g.block.axis_u[i] + v * (double)g.block.axis_v[i]);
+            along += plane[i] * sun[i];
+            from2 += plane[i] * plane[i];
+        }
+        /* Over a sphere of the place's radius: the ellipsoid is within metres of it here. */
+        double radius2 = 0.0;
+        for (int i = 0; i < 3; i++) {
+            radius2 += where.centre_ecef_m[i] * where.centre_ecef_m[i];
+        }
+        const double ground_m = -along + sqrt(along * along - from2 + radius2);
+        for (int i = 0; i < 3; i++) {
+            line.from_ecef_m[i] = plane[i] + ground_m * sun[i];
+            line.to_ecef_m[i] = plane[i] + (ground_m + 4.0e4) * sun[i];
+        }
+        assert_int_equal(f->world_api->query_line(f->world, &line, &answer), VELUM_OK);
+        const int x = k % PLACES * 4 + 16, y = k / PLACES * 4 + 16;
+        const double off = (double)texels[y * TEXELS + x] - exp(-answer.optical_depth);
+        sum += off * off;
+    }
+    return sqrt(sum / (PLACES * PLACES));
+}
+
+/* Layers that lie higher in one place than in another are stepped through by their own thickness: a map of them is as
+ * good as one of weather that is the same everywhere. */
+static void layers_at_uneven_heights_shade_as_even_ones(void **state) {
+    (void)state;
+    const velum_layer layers[] = {layer_between(VELUM_GENUS_CU, 900.0f, 1500.0f, 0.4f),
+                                  layer_between(VELUM_GENUS_CU, 5200.0f, 5600.0f, 0.5f),
+                                  layer_between(VELUM_GENUS_CB, 600.0f, 12000.0f, 0.5f)};
+    double error[2];
+    for (uint32_t uneven = 0; uneven < 2; uneven++) {
+        velum_cell cells[3] = {fixture_cell(&layers[0], 1), fixture_cell(&layers[1], 1), fixture_cell(&layers[2], 1)};
+        for (uint32_t i = 1; i < 3; i++) {
+            cells[i].id = 1 + i;
+            cells[i].kind = VELUM_CELL_RECTANGLE;
+            cells[i].lat_deg = i == 1 ? 50.1 : 48.5;
+            cells[i].lon_deg = 8.5;
+            cells[i].half_east_m = cells[i].half_north_m = i == 1 ? 9000.0 : 20000.0;
+            cells[i].transition_m = 6000.0;
+        }
+        const velum_state_desc desc = {.struct_size = sizeof desc, .cells = cells, .cell_count = uneven ? 3 : 1};
+        fixture f;
+        uint64_t id;
+        fixture_init(&f, false);
+        assert_int_equal(f.world_api->commit(f.world, &desc, &id), VELUM_OK);
+        error[uneven] = map_error(&f);
+        fixture_finish(&f);
+    }
+    printf("error of maps: even %.4f, uneven %.4f\n", error[0], error[1]);
+    assert_true(error[0] > 0.0 && error[0] < 0.08); /* sixteen steps through a layer; with eight it is 0.15 */
+    assert_true(error[1] < 1.5 * error[0]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(shadow_map_is_fixed_to_the_world),
                                        cmocka_unit_test(maps_follow_the_sun), cmocka_unit_test(no_row_is_left_out),
-                                       cmocka_unit_test(another_sun_is_drawn_at_once)};
+                                       cmocka_unit_test(another_sun_is_drawn_at_once),
+                                       cmocka_unit_test(layers_at_uneven_heights_shade_as_even_ones)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
