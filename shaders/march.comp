@@ -38,6 +38,9 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
+/* Of the opacity that a place has on the mean: with as much it stands for its layer alone, once the ray has left that.
+ * Drizzle and cloud that lie in each other share places, or all would be on their first few metres. */
+const float other_least = 0.25;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -118,6 +121,7 @@ void main() {
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
     float pick = pick_offset(offset);
+    uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -328,7 +332,9 @@ void main() {
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
         bool deeper = through < 1.0 - float(places) / float(of.places);
-        bool fits = places < of.places && (deeper || float(part) != place.w);
+        bool left_behind = ((lately | newly) & (1u << uint(place.w))) == 0u && place.z > other_least / float(of.places);
+        bool other = float(part) != place.w && (uniform_layer || left_behind);
+        bool fits = places < of.places && (deeper || other);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
@@ -339,6 +345,9 @@ void main() {
         bool takes = alpha > 0.0 && pick < share;
         pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
         /* Steps through a uniform layer are one: its light is known over any. */
+        newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
+        lately = ends ? newly : lately;
+        newly = ends ? 0u : newly;
         bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         float joined_at = start_m + dt - joined_m * (1.0 - offset);
