@@ -64,6 +64,8 @@ uint64_t fixture_view_bytes(velum_view *view);
 uint64_t fixture_shadow_texels(velum_shadow *map);
 /* For that eye. */
 uint32_t fixture_skies_drawn(velum_eye *eye);
+/* Its tiles, in the newest frame: not much the same everywhere. */
+bool fixture_weather_is_uneven(velum_eye *eye);
 /* From here on its device has none, as far as eyes know. */
 void fixture_forget_timestamps(velum_engine *engine);
 

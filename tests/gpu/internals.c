@@ -32,6 +32,12 @@ uint32_t fixture_skies_drawn(velum_eye *handle) {
     return y->sky_count;
 }
 
+bool fixture_weather_is_uneven(velum_eye *handle) {
+    eye *y = handle_get(handle, HANDLE_EYE);
+    assert_non_null(y);
+    return y->tiles.uneven;
+}
+
 void fixture_forget_timestamps(velum_engine *handle) {
     engine *e = handle_get(handle, HANDLE_ENGINE);
     assert_non_null(e);
