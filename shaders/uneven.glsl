@@ -16,7 +16,7 @@ uint part_word_of(tile_place place) {
 /* Between the heights of layers that a step does not meet: highest below, lowest above. */
 const vec2 no_gap_m = vec2(-1.0e9, 1.0e9);
 vec2 gap_beside(vec2 gap_m, float low, float high, vec2 span_m) {
-    return vec2(low > span_m.y ? max(gap_m.x, span_m.y) : gap_m.x, high < span_m.x ? min(gap_m.y, span_m.x) : gap_m.y);
+    return vec2(low >= span_m.y ? max(gap_m.x, span_m.y) : gap_m.x, high <= span_m.x ? min(gap_m.y, span_m.x) : gap_m.y);
 }
 
 /* How far a ray at height h that rises by `rise` a metre is in it (curvature makes every ray rise faster as it goes). */

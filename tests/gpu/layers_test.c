@@ -236,7 +236,31 @@ static void as_where_all_is_even(void **state) {
     }
 }
 
+/* A step that ends exactly where a layer begins does not meet it: the next one does. It is chance which rays have such
+ * a step. */
+static void no_ray_leaps_a_closed_sheet(void **state) {
+    (void)state;
+    static picture p;
+    fixture f;
+    fixture_init(&f, false);
+    int leapt = 0;
+    for (int k = 0; k < 40; k++) {
+        velum_layer sheet = thin(VELUM_GENUS_ST, 1100.0f + 10.0f * (float)k, 1500.0f + 10.0f * (float)k);
+        sheet.coverage = 1.0f;
+        sheet.extinction_1_m = 0.05f;
+        fixture_commit(&f, &sheet, 1);
+        look(&f, 300.0, 30.0, 3e4, &p);
+        for (int i = 0; i < PIXELS; i++) {
+            leapt += p.transmittance[3 * i] > 0.01f;
+        }
+    }
+    print_message("%d of %d rays are not held\n", leapt, 40 * PIXELS);
+    assert_int_equal(leapt, 0);
+    fixture_finish(&f);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(as_queried), cmocka_unit_test(as_where_all_is_even)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(as_queried), cmocka_unit_test(as_where_all_is_even),
+                                       cmocka_unit_test(no_ray_leaps_a_closed_sheet)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
