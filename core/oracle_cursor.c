@@ -9,6 +9,7 @@
 /* Beyond this from where its phases were formed, noise is found from a new origin: floats stay within millimetres. */
 #define NOISE_REACH_M 16000.0
 #define NO_QUAD UINT32_MAX
+#define SKIP_M 25.0
 /* The least that a texel measures of its nominal size: at the middle of a face's side, 1 / sqrt 2. */
 #define NARROWEST 0.7
 
@@ -41,6 +42,7 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
     drop_tiles(cursor);
     cursor->data_key = data_key;
     cursor->quad = NO_QUAD;
+    cursor->all = (velum_span_m){0};
     for (int s = 0; s < (blends(oracle) ? 2 : 1); s++) {
         if (!oracle->state[s]) {
             continue;
@@ -48,7 +50,12 @@ static void take_tiles(oracle_cursor *cursor, uint32_t data_key) {
         cursor->tile[s] = oracle->tile(oracle->tile_context, oracle->state[s], data_key);
         if (!cursor->tile[s]) {
             cursor->result = VELUM_ERROR_OUT_OF_MEMORY;
-            continue;
+            return;
+        }
+        for (uint32_t slot = 0; cursor->tile[s]->mask >> slot; slot++) {
+            if (cursor->tile[s]->mask & (1u << slot)) {
+                core_span_widen(&cursor->all, core_tile_slot_span(&cursor->tile[s]->slot[slot]));
+            }
         }
     }
 }
@@ -77,7 +84,13 @@ static void set_place(oracle_place *place, const double ecef_m[3]) {
     place->normal[2] = z * norm;
 }
 
-/* Fields are mixed of the texels about a place: between those, what they span holds everything. */
+static bool has_fringe(const oracle_cursor *cursor, uint32_t slot) {
+    return (cursor->tile[0] && cursor->tile[0]->slot[slot].fringe) ||
+           (cursor->tile[1] && cursor->tile[1]->slot[slot].fringe);
+}
+
+/* Fields are mixed of the texels about a place: between those, what they span holds everything. What one of two states
+ * alone has hangs from a base between both. */
 static void take_spans(oracle_cursor *cursor, core_tile_quad quad) {
     cursor->quad = quad.texel;
     memset(cursor->span, 0, sizeof cursor->span);
@@ -89,6 +102,12 @@ static void take_spans(oracle_cursor *cursor, core_tile_quad quad) {
                     core_span_widen(&cursor->span[slot], span);
                 }
             }
+        }
+    }
+    for (uint32_t slot = 0; blends(cursor->oracle) && slot < VELUM_SLOT_COUNT; slot++) {
+        if (core_span_has_some(cursor->span[slot]) && has_fringe(cursor, slot)) {
+            cursor->span[slot].low -= VELUM_SCUD_SHALLOW_M;
+            cursor->span[slot].high += VELUM_FALL_JOIN_MOST_M;
         }
     }
 }
@@ -159,11 +178,6 @@ velum_slot_fields oracle_cursor_fields(const oracle_cursor *cursor, const oracle
     return blends(cursor->oracle) ? velum_fields_mix(fields[0], fields[1], cursor->oracle->blend) : fields[0];
 }
 
-static bool has_fringe(const oracle_cursor *cursor, uint32_t slot) {
-    return (cursor->tile[0] && cursor->tile[0]->slot[slot].fringe) ||
-           (cursor->tile[1] && cursor->tile[1]->slot[slot].fringe);
-}
-
 static velum_fringe fringe_at(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {
     velum_slot_fields fields[2] = {{0}};
     velum_fringe fringe[2] = {{0}};
@@ -207,7 +221,11 @@ double oracle_cursor_clear_m(const oracle_cursor *cursor, const oracle_place *pl
             clear_m = fmin(clear_m, fmax((double)span.low - place->height_m, place->height_m - (double)span.high));
         }
     }
-    return clear_m;
+    /* Over borders too, where all of the tile is far: heights change by about a metre a metre. */
+    const double away_m = core_span_has_some(cursor->all) ? fmax((double)cursor->all.low - place->height_m,
+                                                                 place->height_m - (double)cursor->all.high)
+                                                          : SKIP_M;
+    return fmax(clear_m, fmin(away_m, SKIP_M));
 }
 
 oracle_extinction oracle_cursor_slot(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {

@@ -13,6 +13,7 @@ typedef struct oracle_cursor {
     double distance_m; /* at which a picture's pixel is as large as the footprint */
     uint32_t key, data_key;
     core_tile *tile[2];
+    velum_span_m all;                    /* of what there is in the tiles */
     velum_span_m span[VELUM_SLOT_COUNT]; /* of what there is between the texels about the place */
     uint32_t quad;                       /* those texels */
     double same_m;                       /* as far from the place, at least, the spans hold */

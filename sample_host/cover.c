@@ -36,14 +36,19 @@ static uint64_t rest_of(int64_t value, uint64_t count) {
 /* Neighbours on the lattice, as many as are asked for at once, never share a place here. */
 static struct cover_answer *slot_of(struct cover_answers *answers, const struct cover_answer *of) {
     const uint64_t place = rest_of(of->row, COVER_ROWS) * COVER_ROWS + rest_of(of->column, COVER_ROWS);
-    return &answers->at[(place * 2 + rest_of(of->level, 2)) * 2 + rest_of(of->tick, 2)];
+    return &answers->at[(place * 2 + rest_of(of->level, 2)) * COVER_TICKS + rest_of(of->tick, COVER_TICKS)];
+}
+
+static bool is_known(struct cover_answers *answers, const struct cover_answer *of) {
+    const struct cover_answer *known = slot_of(answers, of);
+    return known->is_known && known->row == of->row && known->column == of->column && known->level == of->level &&
+           known->tick == of->tick;
 }
 
 static bool add(struct scene *scene, struct cover_answers *answers, struct cover_answer of, double lat_deg,
                 double lon_deg, double weight, struct cloud_cover *sum) {
     struct cover_answer *known = slot_of(answers, &of);
-    if (!known->is_known || known->row != of.row || known->column != of.column || known->level != of.level ||
-        known->tick != of.tick) {
+    if (!is_known(answers, &of)) {
         of.is_known = ask(scene, &of, lat_deg, lon_deg, &of.cover);
         *known = of;
     }
@@ -52,10 +57,21 @@ static bool add(struct scene *scene, struct cover_answers *answers, struct cover
     return known->is_known;
 }
 
-/* Between heights and times of the lattice. */
+/* Between heights and times of the lattice. Of those of the next tick `early` more are asked, a few in each frame. */
 static bool add_place(struct scene *scene, struct cover_answers *answers, struct cover_answer of, double lon_step_deg,
-                      const double rest[2], double weight, struct cloud_cover *sum) {
+                      const double rest[2], double weight, int *early, struct cloud_cover *sum) {
     const double lat_deg = fmin(fmax((double)of.row * step_deg, -90), 90);
+    struct cover_answer later = of;
+    struct cloud_cover unused = {0, 0};
+    later.tick += 2;
+    for (; *early > 0 && rest[1] > 0 && later.level <= of.level + (rest[0] > 0); later.level++) {
+        if (!is_known(answers, &later)) {
+            --*early;
+            if (!add(scene, answers, later, lat_deg, (double)of.column * lon_step_deg, 0, &unused)) {
+                return false;
+            }
+        }
+    }
     for (int k = 0; k < 4; k++) {
         struct cover_answer corner = of;
         corner.level += k & 1;
@@ -77,6 +93,7 @@ bool cover_around(struct scene *scene, struct cover_answers *answers, const velu
     const double rest[2] = {height_m / level_m - level, time_s / tick_s - tick};
     const double row_0 = floor(place->lat_deg / step_deg);
     double weights = 0;
+    int early = 2;
     *out = (struct cloud_cover){0, 0};
     for (double row = row_0 - 3; row <= row_0 + 4; row++) {
         const double lat_deg = fmin(fmax(row * step_deg, -90), 90);
@@ -90,7 +107,7 @@ bool cover_around(struct scene *scene, struct cover_answers *answers, const velu
                 .row = (int64_t)row, .column = (int64_t)column, .level = (int64_t)level, .tick = (int64_t)tick};
             if (fade > 0) {
                 weights += fade * fade;
-                if (!add_place(scene, answers, of, lon_step_deg, rest, fade * fade, out)) {
+                if (!add_place(scene, answers, of, lon_step_deg, rest, fade * fade, &early, out)) {
                     return false;
                 }
             }

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-enum { COVER_ROWS = 8, COVER_ANSWERS = COVER_ROWS * COVER_ROWS * 2 * 2 };
+enum { COVER_ROWS = 8, COVER_TICKS = 4, COVER_ANSWERS = COVER_ROWS * COVER_ROWS * 2 * COVER_TICKS };
 
 /* What the plugin said of a place, a height and a time on the lattice of those. */
 struct cover_answer {

@@ -74,7 +74,7 @@ void daylight_compute(double sun_sine, const float illuminance_lx[3], bool atmos
 /* What shows of the sky, by its mean: by day a few times as much; in twilight it is bright over the sun alone, the more
  * so the deeper that is (by the sky that Velum draws, 9 times at -3 degrees, 25 at -6). */
 static double sky_brightest(double elevation_deg) {
-    return 3 * exp2(fmin(fmax(1 - elevation_deg, 0), 7) / 2);
+    return 3 * exp2(fmin(fmax(-elevation_deg, 0), 6) / 2);
 }
 
 double daylight_exposure(double sun_sine, const float illuminance_lx[3], bool atmosphere,

@@ -39,7 +39,7 @@ sun_way way_through(vec3 plane, vec3 to_sun, vec2 heights_m) {
     return way;
 }
 
-/* As many steps as the texel can show, and no more. */
+/* As many steps as the texel can show, and enough for the layer's depth. */
 float step_through_m(float way_m) {
     return max(way_m / clamp(ceil(way_m / (1.5 * level.axis_u.w)), 16.0, most_steps), 1.0);
 }
@@ -62,8 +62,8 @@ sun_step step_at(bool here, vec2 heights_m, float known_m, sun_way way, float dt
     return next;
 }
 
-/* The same by fields, which are known between four texels: elsewhere the layer lies higher or lower, by a metre a metre at
- * most. */
+/* The same by fields, which are known between four texels: elsewhere the layer lies higher or lower. It is taken to do so
+ * by a metre a metre; edges of storms and of rain are steeper, but end within a texel. */
 sun_step step_by_fields(velum_slot_fields f, vec2 heights_m, float known_m, sun_way way, float dt, float rise, float h) {
     bool here = f.coverage > 0.0;
     float away_m = here ? max(heights_m.x - h, h - heights_m.y) : 1.0e9;

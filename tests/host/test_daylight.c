@@ -49,12 +49,15 @@ static void no_air_means_no_sky(void **state) {
 }
 
 static void exposure_is_finite_and_follows_the_sun(void **state) {
-    double before = 0;
+    const struct cloud_cover covers[] = {{0, 0}, {0.5, 5}, {0.9, 20}, {0.9, 44}, {1, 40}};
     (void)state;
-    for (double elevation = 90; elevation >= -90; elevation -= 1) {
-        double exposure = daylight_exposure(sin(elevation * 3.14159265358979 / 180), sun_lx, true, &clear);
-        assert_true(isfinite(exposure) && exposure >= before);
-        before = exposure;
+    for (size_t i = 0; i < sizeof covers / sizeof covers[0]; i++) {
+        double before = 0;
+        for (double elevation = 90; elevation >= -90; elevation -= 1) {
+            double exposure = daylight_exposure(sin(elevation * 3.14159265358979 / 180), sun_lx, true, &covers[i]);
+            assert_true(isfinite(exposure) && exposure >= before);
+            before = exposure;
+        }
     }
     const float dark[3] = {0, 0, 0};
     assert_true(isfinite(daylight_exposure(0.5, dark, true, &clear)));
