@@ -9,7 +9,8 @@
 /* Beyond this from where its phases were formed, noise is found from a new origin: floats stay within millimetres. */
 #define NOISE_REACH_M 16000.0
 #define NO_QUAD UINT32_MAX
-#define SKIP_M 25.0
+/* So far, at most, is passed over borders of tiles by what those have: heights change by about a metre a metre. */
+#define OVER_BORDERS_M 25.0
 /* The least that a texel measures of its nominal size: at the middle of a face's side, 1 / sqrt 2. */
 #define NARROWEST 0.7
 
@@ -213,19 +214,20 @@ static bool is_within(const oracle_cursor *cursor, const oracle_place *place, ui
            place->height_m <= (double)cursor->span[slot].high && core_span_has_some(cursor->span[slot]);
 }
 
+/* Below 0: within. */
+static double away_m(velum_span_m span, const oracle_place *place) {
+    return fmax((double)span.low - place->height_m, place->height_m - (double)span.high);
+}
+
 double oracle_cursor_clear_m(const oracle_cursor *cursor, const oracle_place *place) {
     double clear_m = cursor->same_m;
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
-        const velum_span_m span = cursor->span[slot];
-        if (core_span_has_some(span)) {
-            clear_m = fmin(clear_m, fmax((double)span.low - place->height_m, place->height_m - (double)span.high));
+        if (core_span_has_some(cursor->span[slot])) {
+            clear_m = fmin(clear_m, away_m(cursor->span[slot], place));
         }
     }
-    /* Over borders too, where all of the tile is far: heights change by about a metre a metre. */
-    const double away_m = core_span_has_some(cursor->all) ? fmax((double)cursor->all.low - place->height_m,
-                                                                 place->height_m - (double)cursor->all.high)
-                                                          : SKIP_M;
-    return fmax(clear_m, fmin(away_m, SKIP_M));
+    const double all_m = core_span_has_some(cursor->all) ? away_m(cursor->all, place) : OVER_BORDERS_M;
+    return fmax(clear_m, fmin(all_m, OVER_BORDERS_M));
 }
 
 oracle_extinction oracle_cursor_slot(const oracle_cursor *cursor, const oracle_place *place, uint32_t slot) {

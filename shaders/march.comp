@@ -344,10 +344,10 @@ void main() {
         float share = alpha / max(place.z, 1.0e-20);
         bool takes = alpha > 0.0 && pick < share;
         pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
-        /* Steps through a uniform layer are one: its light is known over any. */
         newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
         lately = ends ? newly : lately;
         newly = ends ? 0u : newly;
+        /* Steps through a uniform layer are one: its light is known over any. */
         bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         float joined_at = start_m + dt - joined_m * (1.0 - offset);

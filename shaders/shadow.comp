@@ -23,8 +23,8 @@ struct sun_way {
     float whole_m;
 };
 
-sun_way way_through(vec3 plane, vec3 to_sun, vec2 heights_m) {
-    velum_span ground = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z, 0.0);
+/* `ground`: where the line is within the ellipsoid. */
+sun_way way_through(vec3 plane, vec3 to_sun, velum_span ground, vec2 heights_m) {
     velum_span top = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z,
                                        heights_m.y * VELUM_SCALE_Z + 1.0);
     velum_span base = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z,
@@ -80,14 +80,14 @@ sun_step step_by_fields(velum_slot_fields f, vec2 heights_m, float known_m, sun_
 
 #ifdef VELUM_FRINGED
 /* Optical depth of hems and of what falls. */
-float fringe_depth(vec3 plane, vec3 to_sun) {
+float fringe_depth(vec3 plane, vec3 to_sun, velum_span ground) {
     float depth = 0.0;
     tile_place tile = tile_nowhere();
     for (uint rest = eye.table.w; rest != 0u; rest &= rest - 1u) {
         int part = findLSB(rest);
         int slot = part & (VELUM_SLOT_COUNT - 1);
         vec2 bounds_m = part_bounds(part).xy;
-        sun_way way = way_through(plane, to_sun, bounds_m);
+        sun_way way = way_through(plane, to_sun, ground, bounds_m);
         float long_dt = step_through_m(way.whole_m);
         while (way.position < way.end) {
             float dt = min(long_dt, way.end - way.position);
@@ -129,13 +129,14 @@ float line_depth(ivec2 texel) {
                  (level.axis_u.xyz * (float(texel.x) + 0.5) + level.axis_v.xyz * (float(texel.y) + 0.5)) *
                      level.axis_u.w;
     vec3 to_sun = eye.sun.xyz;
+    velum_span ground = velum_sphere_span(eye_geometry(), plane.x, plane.y, plane.z, to_sun.x, to_sun.y, to_sun.z, 0.0);
     float depth = 0.0;
     tile_place tile = tile_nowhere();
     /* Slot by slot, each through its own shell alone. */
     for (uint rest = eye.table.z; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
         vec2 bounds_m = eye.slots[slot].bounds.xy;
-        sun_way way = way_through(plane, to_sun, bounds_m);
+        sun_way way = way_through(plane, to_sun, ground, bounds_m);
         float long_dt = step_through_m(way.whole_m);
         bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
         while (way.position < way.end) {
@@ -181,7 +182,7 @@ float line_depth(ivec2 texel) {
             long_dt = next.dt_m;
         }
     }
-    return depth + FRINGED(fringe_depth(plane, to_sun), 0.0);
+    return depth + FRINGED(fringe_depth(plane, to_sun, ground), 0.0);
 }
 
 void main() {
