@@ -283,28 +283,36 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
- * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share). With
- * light alike all round it shines alike. Fitted to the reference over the scenes of
- * tests/accuracy. */
-const float turns = 0.0477; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_depth = 1.19; /* of the lit face, over that along the sun */
-const float dark_share = 0.836; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.735;
-const float below_share = 1.38; /* of the base among the ways out */
+ * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
+ * light alike all round it shines alike. Fitted to the reference over the scenes of tests/accuracy. */
+const float turns = 0.0426; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_depth = 1.08; /* of the lit face, over that along the sun */
+const float dark_share = 1.11; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
+const float deep_share = 0.783;
+const float below_share = 1.32; /* of the base among the ways out */
+/* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
+ * gaps. */
+const float alone_from = 0.4, alone_lit = 3.5, alone_dark = 0.25;
+/* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
+ * leaves by the flank too. */
+const float lee_share = 0.145;
+/* Of the light from all round, over that of the half worlds above and below a layer: the air and the cloud at its own
+ * heights shine too. An overcast has no gaps for that. */
+const float sky_share = 1.14;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.561, lump_low = 0.326;
+const float lump_face = 0.577, lump_low = 0.453;
 const float deck_face = 0.395, deck_tilt = 0.248;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
-const float near_face = 0.25, near_share = 0.0365;
+const float near_face = 0.33, near_share = 0.0393;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
-const float wall_share = 0.8;
+const float wall_share = 0.843;
 /* Of storms, whose walls are the most that they are, and less in a field of anvils... */
 const float storm_share = 0.91, storm_field = 0.24;
 const float storm_walls = 0.26, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
-const float field_share = 3.0;
+const float field_share = 2.18;
 /* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
  * what flanks see, to the scene `thunderstorm`. */
 const float storm_turned = 0.80, storm_meets = 0.58;
@@ -313,15 +321,15 @@ const float storm_graze = 0.01; /* cosine at which a low sun meets what does not
 const float sky_aside = 0.52;   /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
-const float limb = 2.15, falls = 1.7;
+const float limb = 2.41, falls = 1.78;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
-const float onward = 0.179;
+const float onward = 0.07;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-const float flank_share = 0.104; /* of the noise's period: from hem to heart of what light crosses */
+const float flank_share = 0.0905; /* of the noise's period: from hem to heart of what light crosses */
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
 const float flank_lumps = 0.4;
-const float onset = 0.0865; /* of light that has turned, by the depth of all of the cloud */
-const float widened_share = 0.587, widened_loss = 0.087;
+const float onset = 0.0513; /* of light that has turned, by the depth of all of the cloud */
+const float widened_share = 0.63, widened_loss = 0.0927;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -373,9 +381,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float up = 1.0 / (1.0 + turns * ways.up);
     float down = 1.0 / (1.0 + turns * ways.down);
     float flank = 1.0 / (1.0 + turns * ways.flank);
-    float lit = 1.0 / (1.0 + lit_depth * turns * depth);
+    bool heaps = !storm && !is_fringe(hit);
+    float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
+    float lit = 1.0 / (1.0 + lit_depth * turns * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
+    float lee = flank * (1.0 - over);
     flank = max(flank - max(up, down), 0.0) * (storm ? 1.0 : 1.0 - over);
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
@@ -388,7 +399,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
     float even = deep_under(face);
     float deep = even;
-    if (!storm && !is_fringe(hit)) {
+    if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = slope * inversesqrt(1.0 + slope * slope) * lit * (1.0 - over);
         deep = deep_under(clamp(face + near_face * near, 0.0, 1.0));
@@ -400,6 +411,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         deep = deep_under(met) * (storm_turned + storm_meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
+    if (heaps) {
+        float slope = way.falls_1_m * lee_share / eye.slots[hit.slot].lump_0.w;
+        dark = (down + lee * (0.5 - 0.5 * slope * inversesqrt(1.0 + slope * slope))) * (1.0 - alone_dark * alone);
+    }
     float turned = 1.0 - exp(-onset * whole);
     float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + dark_share * dark) * turned * steep;
@@ -413,8 +428,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 open = 0.5 * (above + below) + field;
     above += field;
     vec3 beside = open + walls * (storm ? of_storm : wall_share) * even * sun;
-    return sun * (first + widened + deep * diffuse) +
-           (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
+    vec3 all_round = (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
+    return sun * (first + widened + deep * diffuse) + mix(sky_share, 1.0, over) * all_round;
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its

@@ -84,6 +84,22 @@ typedef struct genus_sheet {
     uint32_t reference_count;
 } genus_sheet;
 
+/* How many references each device made. */
+enum { DEVICES = 4 };
+typedef struct genus_devices {
+    char names[DEVICES][256];
+    uint32_t counts[DEVICES];
+} genus_devices;
+
+static void count_device(genus_devices *devices, const char *name) {
+    int i = 0;
+    while (i < DEVICES - 1 && devices->counts[i] > 0 && strcmp(devices->names[i], name) != 0) {
+        i++;
+    }
+    snprintf(devices->names[i], sizeof devices->names[i], "%s", name);
+    devices->counts[i]++;
+}
+
 static bool draw_one(program *p, const genus_row *g, int hour, int place, genus_sheet *out) {
     char text[1200], name[64];
     const uint32_t width = p->reference.width, height = p->reference.height;
@@ -166,7 +182,7 @@ static bool write_sheet(const program *p, const genus_row *g, const genus_sheet 
     return ok;
 }
 
-static bool draw_genus(program *p, const genus_row *g, FILE *page) {
+static bool draw_genus(program *p, const genus_row *g, FILE *page, genus_devices *devices) {
     genus_sheet drawn = {.reference_count = 0};
     bool ok = true;
     for (int hour = 0; ok && hour < HOURS; hour++) {
@@ -180,6 +196,9 @@ static bool draw_genus(program *p, const genus_row *g, FILE *page) {
     }
     for (int hour = 0; hour < HOURS; hour++) {
         for (int place = 0; place < PLACES; place++) {
+            if (drawn.references[hour][place].parts > 0) {
+                count_device(devices, drawn.references[hour][place].made_on);
+            }
             picture_finish(&drawn.found[hour][place]);
             reference_finish(&drawn.references[hour][place]);
         }
@@ -189,6 +208,7 @@ static bool draw_genus(program *p, const genus_row *g, FILE *page) {
 
 int genera_run(program *p) {
     struct files_folder folder = {.made = 0};
+    genus_devices devices = {.counts = {0}};
     if (!files_prepare_folder(p->folder, &folder)) {
         return 1;
     }
@@ -208,10 +228,13 @@ int genera_run(program *p) {
                 hours[2].elevation_deg, enlarged(p));
     }
     for (int i = 0; ok && i < GENERA; i++) {
-        ok = draw_genus(p, &genera[i], page);
+        ok = draw_genus(p, &genera[i], page, &devices);
     }
     /* The device is known once there is an engine. */
     ok = ok && fprintf(page, "\nMade on %s.\n", p->s.device_name) > 0;
+    for (int i = 0; ok && i < DEVICES && devices.counts[i] > 0; i++) {
+        ok = fprintf(page, "%u references are of %s.\n", devices.counts[i], devices.names[i]) > 0;
+    }
     ok = chart_finish(page) && ok;
     files_remove_empty(&folder);
     return ok ? 0 : 1;

@@ -16,6 +16,7 @@ static int usage(int status) {
         "velum-accuracy chart DIR [--scene S]... [--method M]\n"
         "velum-accuracy reference [--scene S]... [--minutes N]   adds to what is in the cache, scene by scene, until\n"
         "                  all are good enough; can be stopped at any time\n"
+        "velum-accuracy bounds   presets low, medium and high against their bounds, with the references at hand\n"
         "velum-accuracy genera DIR   ten genera by three suns from three places, preset high beside the reference\n"
         "velum-accuracy flight DIR   a strip of pictures from a flight through broken cloud, preset medium\n"
         "velum-accuracy stability [--scene CASE]...\n"
@@ -26,7 +27,9 @@ static int usage(int status) {
         "  --paths N       ... or at so many paths a pixel...\n"
         "  --seconds N     ... or after so long (60), all that went into it; for `reference`: of one visit\n"
         "  --cached        references as they are in the cache, good enough or not; nothing is added\n"
-        "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program)\n"
+        "  --cache DIR     of references (VELUM_ACCURACY_CACHE, else accuracy-cache beside the program); what it lacks "
+        "is\n"
+        "                  looked for in tests/data/references\n"
         "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
         "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
         "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done; 77: what is missing "
@@ -189,8 +192,9 @@ static void tell_time(void) {
     }
 }
 
-enum { LIST, RUN, CHART, STABILITY, REFERENCE, GENERA, FLIGHT, COMMANDS };
-static const char *const commands[COMMANDS] = {"list", "run", "chart", "stability", "reference", "genera", "flight"};
+enum { LIST, RUN, CHART, STABILITY, REFERENCE, GENERA, FLIGHT, HOLD, COMMANDS };
+static const char *const commands[COMMANDS] = {"list",      "run",    "chart",  "stability",
+                                               "reference", "genera", "flight", "bounds"};
 
 int main(int argc, char **argv) {
     char cache[1024];
@@ -198,6 +202,7 @@ int main(int argc, char **argv) {
     int32_t device = VELUM_DEVICE_AUTO;
     program p = {.reference = {.error = 0.01, .seconds = 60.0, .patience = 4.0, .width = 160, .height = 90}};
     p.reference.cache = default_cache(cache);
+    p.reference.kept = ACCURACY_REFERENCES;
     for (int i = 0; i < COMMANDS && argc > 1; i++) {
         command = strcmp(argv[1], commands[i]) == 0 ? i : command;
     }
@@ -247,6 +252,7 @@ int main(int argc, char **argv) {
              : command == STABILITY ? stability_run(&p)
              : command == GENERA    ? genera_run(&p)
              : command == FLIGHT    ? flight_run(&p)
+             : command == HOLD      ? bounds_run(&p)
                                     : program_make_references(&p);
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);

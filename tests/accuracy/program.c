@@ -118,9 +118,9 @@ static void run_pass(program *p, const scene_row *scene, bool presets, bool blow
         p->failed++;
         return;
     }
-    if (reference_get(&p->s, scene->name, &camera, blown ? measure_wind(MOTION_WIND) : 0.0f, &p->reference, &r) !=
-        STAGE_OK) {
-        p->failed++;
+    const float wind_m_s = blown ? measure_wind(MOTION_WIND) : 0.0f;
+    if (reference_get(&p->s, scene->name, &camera, wind_m_s, &p->reference, &r) != STAGE_OK) {
+        *(p->at_hand ? &p->skipped : &p->failed) += 1;
         picture_finish(&found);
         return;
     }

@@ -20,6 +20,7 @@ struct program {
     const char *method; /* null: presets alone; "all", a group, a curve's name */
     bool json;
     const char *folder; /* of chart and tables */
+    bool at_hand;       /* scenes without a reference are skipped */
     bool by_pixel;      /* charts and published figures by the error of pixels instead of means over 8 x 8 */
     program_picture_fn on_picture;
     FILE *log; /* null, or gets every measurement as it is made */
@@ -40,6 +41,8 @@ int program_make_references(program *p);
 
 /* chart.c: measures all presets on all scenes and all methods on those marked for it; SVG, PNG, tables, a page. */
 int chart_run(program *p);
+/* bounds.c: presets against their bounds over all scenes; 0, or 1 if one is missed. */
+int bounds_run(program *p);
 /* genera.c: ten genera by three suns from three places beside their references; a sheet each and a page. */
 int genera_run(program *p);
 /* flight.c: a strip of pictures from a flight through broken cloud, preset medium. */

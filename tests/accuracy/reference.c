@@ -32,14 +32,13 @@ static void make_key(const stage *s, const char *name, const stage_camera *c, fl
                      const reference_options *options, char key[KEY_MAX]) {
     uint64_t camera = stage_hash(0, c, sizeof *c);
     snprintf(key, KEY_MAX,
-             "velum-accuracy reference 4\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nrevision %016llx\n"
-             "device %s\n",
+             "velum-accuracy reference 5\nscene %s %016llx\ncamera %016llx\nwind %g\nsize %u %u\nrevision %016llx\n",
              name, (unsigned long long)s->scenario_hash, (unsigned long long)camera, (double)wind_east_m_s,
-             options->width, options->height, (unsigned long long)s->revision, s->device_name);
+             options->width, options->height, (unsigned long long)s->revision);
 }
 
-static void make_path(const char *name, const char *key, const char *cache, char path[1024]) {
-    snprintf(path, 1024, "%s/%s-%016llx.ref", cache, name, (unsigned long long)stage_hash(0, key, strlen(key)));
+static void make_path(const char *name, const char *key, const char *folder, char path[1024]) {
+    snprintf(path, 1024, "%s/%s-%016llx.ref", folder, name, (unsigned long long)stage_hash(0, key, strlen(key)));
 }
 
 static void look(reference *r) {
@@ -60,7 +59,8 @@ static bool move_body(FILE *file, bool out, reference *r) {
     double figures[4] = {r->seconds, r->paths, r->parts, p->count};
     size_t floats = p->count * sizeof(float);
     uint64_t hash = 0, unused = 0;
-    bool ok = move(file, out, figures, sizeof figures, &hash) && figures[3] == (double)p->count &&
+    bool ok = move(file, out, r->made_on, sizeof r->made_on, &hash) &&
+              move(file, out, figures, sizeof figures, &hash) && figures[3] == (double)p->count &&
               move(file, out, p->rgb, 3 * floats, &hash) && move(file, out, p->transmittance, 3 * floats, &hash) &&
               move(file, out, p->distance, floats, &hash) && move(file, out, p->variance, floats, &hash);
     uint64_t told = hash;
@@ -81,7 +81,8 @@ static bool is_sound(const reference *r) {
             sum += (double)p->rgb[3 * i + k] + (double)p->transmittance[3 * i + k];
         }
     }
-    return isfinite(sum) && r->paths >= 1.0 && r->seconds >= 0.0 && isfinite(r->paths + r->seconds);
+    return r->made_on[sizeof r->made_on - 1] == '\0' && isfinite(sum) && r->paths >= 1.0 && r->seconds >= 0.0 &&
+           isfinite(r->paths + r->seconds);
 }
 
 static bool load(const char *path, const char *key, reference *r) {
@@ -100,6 +101,14 @@ static bool load(const char *path, const char *key, reference *r) {
         r->parts = 0;
     }
     return ok;
+}
+
+/* path: in the cache. */
+static bool find(const char *name, const char *key, const reference_options *options, char path[1024], reference *r) {
+    char kept[1024];
+    make_path(name, key, options->cache, path);
+    make_path(name, key, options->kept, kept);
+    return load(path, key, r) || load(kept, key, r);
 }
 
 static bool save(const char *path, const char *key, reference *r) {
@@ -132,6 +141,7 @@ bool reference_is_enough(const reference *r, const reference_options *options) {
 
 /* Where one part stands: before it, `base`; itself, `now`; both, `out`. */
 typedef struct part {
+    const char *device;
     reference base;
     picture now;
     double paths;
@@ -144,6 +154,7 @@ static void gather(const part *t, double seconds, reference *out) {
     }
     out->paths = t->base.paths + t->paths;
     out->parts = t->base.parts + 1;
+    snprintf(out->made_on, sizeof out->made_on, "%s", t->device);
     out->seconds = t->base.seconds + seconds;
     look(out);
 }
@@ -196,7 +207,7 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
 static int render(stage *s, const char *name, const stage_camera *c, const reference_options *options, const char *path,
                   const char *key, reference *out) {
     stage_view v = {0};
-    part t = {.base = *out};
+    part t = {.device = s->device_name, .base = *out};
     int status = STAGE_FAILED;
     bool kept = true;
     t.base.picture = (picture){0};
@@ -234,8 +245,7 @@ bool reference_load(stage *s, const char *name, const stage_camera *c, float win
         return false;
     }
     make_key(s, name, c, wind_east_m_s, options, key);
-    make_path(name, key, options->cache, path);
-    if (!load(path, key, out)) {
+    if (!find(name, key, options, path, out)) {
         reference_finish(out);
     }
     return out->parts > 0;
@@ -249,8 +259,7 @@ int reference_get(stage *s, const char *name, const stage_camera *c, float wind_
         return STAGE_FAILED;
     }
     make_key(s, name, c, wind_east_m_s, options, key);
-    make_path(name, key, options->cache, path);
-    if (load(path, key, out) && (options->cached || reference_is_enough(out, options))) {
+    if (find(name, key, options, path, out) && (options->cached || reference_is_enough(out, options))) {
         return STAGE_OK;
     }
     if (options->cached) {

@@ -7,6 +7,7 @@
 
 typedef struct reference_options {
     const char *cache; /* folder */
+    const char *kept;  /* folder of those that come with the sources: read where the cache has none */
     double error;      /* enough when the noise of means over blocks of 8 x 8 pixels is below this... */
     double paths;      /* ... or a pixel has so many; 0: no such limit... */
     double seconds;    /* ... or all that has been done took so long */
@@ -21,6 +22,7 @@ typedef struct reference {
     double seconds;        /* that all of it took */
     double paths;          /* a pixel, at least */
     uint32_t parts;        /* that were made apart */
+    char made_on[256];     /* the device of the last of them */
 } reference;
 
 /* Of the stage's scenario. name: of the scene; wind: part of the key. What is in the cache, continued where it is not
