@@ -294,7 +294,7 @@ const float below_share = 1.32; /* of the base among the ways out */
  * gaps. */
 const float alone_from = 0.4, alone_lit = 3.5, alone_dark = 0.25;
 /* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
- * leaves by the flank too. */
+ * leaves by the flank too; layers higher up lie too flat for that. */
 const float lee_share = 0.145;
 /* Of the light from all round, over that of the half worlds above and below a layer: the air and the cloud at its own
  * heights shine too. An overcast has no gaps for that. */
@@ -386,7 +386,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float lit = 1.0 / (1.0 + lit_depth * turns * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
-    float lee = flank * (1.0 - over);
+    float aside = flank * (1.0 - over);
     flank = max(flank - max(up, down), 0.0) * (storm ? 1.0 : 1.0 - over);
 
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
@@ -413,7 +413,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
         float slope = way.falls_1_m * lee_share / eye.slots[hit.slot].lump_0.w;
-        dark = (down + lee * (0.5 - 0.5 * slope * inversesqrt(1.0 + slope * slope))) * (1.0 - alone_dark * alone);
+        float lee = 0.5 - 0.5 * slope * inversesqrt(1.0 + slope * slope);
+        bool flat_layer = hit.slot == VELUM_SLOT_MIDDLE || hit.slot == VELUM_SLOT_HIGH;
+        dark = (flat_layer ? dark : down + aside * lee) * (1.0 - alone_dark * alone);
     }
     float turned = 1.0 - exp(-onset * whole);
     float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
