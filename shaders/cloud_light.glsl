@@ -304,7 +304,7 @@ const float sky_share = 1.14;
 const float lump_face = 0.577, lump_low = 0.453;
 const float deck_face = 0.395, deck_tilt = 0.248;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
-const float near_face = 0.33, near_share = 0.0393;
+const float near_face = 0.28, near_share = 0.0393;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
 const float wall_share = 0.843;
 /* Of storms, whose walls are the most that they are, and less in a field of anvils... */
@@ -323,7 +323,7 @@ const float sky_aside = 0.52;   /* how far aside, m a metre down, what is seen b
  * nearer that is. */
 const float limb = 2.41, falls = 1.78;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
-const float onward = 0.07;
+const float onward = 0.1;
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float flank_share = 0.0905; /* of the noise's period: from hem to heart of what light crosses */
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
