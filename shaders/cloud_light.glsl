@@ -284,7 +284,7 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
- * light alike all round it shines alike. Fitted to the reference over the scenes of tests/accuracy. */
+ * light alike all round it shines alike, but for sky_share. Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.0426; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.08; /* of the lit face, over that along the sun */
 const float dark_share = 1.11; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
@@ -297,7 +297,8 @@ const float alone_from = 0.4, alone_lit = 3.5, alone_dark = 0.25;
  * leaves by the flank too; layers higher up lie too flat for that. */
 const float lee_share = 0.145;
 /* Of the light from all round, over that of the half worlds above and below a layer: the air and the cloud at its own
- * heights shine too. An overcast has no gaps for that. */
+ * heights shine too. An overcast has no gaps for that; of storms and what falls
+ * it is not known. */
 const float sky_share = 1.14;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
@@ -431,7 +432,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     above += field;
     vec3 beside = open + walls * (storm ? of_storm : wall_share) * even * sun;
     vec3 all_round = (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
-    return sun * (first + widened + deep * diffuse) + mix(sky_share, 1.0, over) * all_round;
+    return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its

@@ -1,6 +1,8 @@
 /* The presets against what they are to hold over all scenes, with the references that are at hand. */
 #include <math.h>
+#include <string.h>
 
+#include "plugin/preset_figures.h"
 #include "program.h"
 
 static const struct {
@@ -13,14 +15,24 @@ static const struct {
     {VELUM_QUALITY_HIGH, 0.10, 0.02},
 };
 enum { BOUNDS = sizeof bounds / sizeof bounds[0] };
+/* Of every scene. */
+static const double scene_error = 0.22, scene_bias = 0.09;
+/* Over what a preset came to when it was last charted. Scenes of real weather may be missing here. */
+static const double slack = 1.08;
 
 /* Of a preset over the scenes. False: it does not hold its bound. */
 static bool hold(const program *p, int at) {
     double square = 0.0, bias = 0.0;
     uint32_t count = 0;
+    bool holds = true;
     for (uint32_t i = 0; i < p->result_count; i++) {
         const measurement *m = &p->results[i];
-        if (m->value == (double)bounds[at].quality) {
+        if (strcmp(m->group, "preset") == 0 && m->value == (double)bounds[at].quality) {
+            if (!(m->m_8.error <= scene_error && fabs(m->m.bias) <= scene_bias)) {
+                printf("%-8s %s: error %.3f (%.2f), bias %+.3f (%.2f): MISSED\n", measure_preset(bounds[at].quality),
+                       m->scene, m->m_8.error, scene_error, m->m.bias, scene_bias);
+                holds = false;
+            }
             square += m->m_8.error * m->m_8.error;
             bias += m->m.bias;
             count++;
@@ -28,13 +40,16 @@ static bool hold(const program *p, int at) {
     }
     const double error = sqrt(square / count);
     bias /= count;
-    const bool holds = error <= bounds[at].error && fabs(bias) <= bounds[at].bias;
-    printf("%-8s error %.3f (%.2f), bias %+.3f (%.2f) over %u scenes: %s\n", measure_preset(bounds[at].quality), error,
-           bounds[at].error, bias, bounds[at].bias, count, holds ? "holds" : "MISSED");
+    const double charted = slack * (double)preset_figures_of[bounds[at].quality - VELUM_QUALITY_LOW].error;
+    holds = holds && error <= fmin(bounds[at].error, charted) && fabs(bias) <= bounds[at].bias;
+    printf("%-8s error %.3f (%.3f, %.2f), bias %+.3f (%.2f) over %u scenes: %s\n", measure_preset(bounds[at].quality),
+           error, charted, bounds[at].error, bias, bounds[at].bias, count, holds ? "holds" : "MISSED");
     return holds;
 }
 
 int bounds_run(program *p) {
+    uint32_t missing = 0;
+    p->method = NULL;
     p->reference.cached = true;
     p->at_hand = true;
     p->preset_count = 0;
@@ -42,18 +57,24 @@ int bounds_run(program *p) {
         p->presets[p->preset_count++] = bounds[i].quality;
     }
     for (const scene_row *row = scene_rows; row->name; row++) {
+        const uint32_t before = p->result_count;
         if (program_wants(p, row)) {
             program_run_scene(p, row, true);
+            missing += p->result_count == before && !row->real;
         }
     }
     if (p->result_count == 0) {
         return p->failed > 0;
     }
-    bool ok = p->failed == 0;
+    /* All are made for the same sources: where there are some, the others are lost, or their scenes have changed. */
+    bool ok = p->failed == 0 && missing == 0;
+    if (missing > 0) {
+        printf("%u scenes without a reference: MISSED\n", missing);
+    }
     for (int i = 0; i < BOUNDS; i++) {
         ok = hold(p, i) && ok;
     }
-    /* What some scenes lack is told; the others count. */
+    /* Real weather may not be there: that is told, and the others count. */
     p->skipped = 0;
     return !ok;
 }
