@@ -372,6 +372,11 @@ float deep_under(float face) {
     return deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
 }
 
+/* Of the angle whose tangent this is. */
+float sine_of(float slope) {
+    return slope * inversesqrt(1.0 + slope * slope);
+}
+
 /* Per unit of scattering. `sun`: the beam; `field`: luminance of the layer's clouds farther off, by the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, vec3 field, float mu_sun, sun_way way) {
     float depth = way.depth;
@@ -402,19 +407,19 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float deep = even;
     if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
-        float near = slope * inversesqrt(1.0 + slope * slope) * lit * (1.0 - over);
+        float near = sine_of(slope) * lit * (1.0 - over);
         deep = deep_under(clamp(face + near_face * near, 0.0, 1.0));
     } else if (storm && !is_fringe(hit)) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
-        float meets = max(straight, 0.0) * inversesqrt(1.0 + straight * straight);
+        float meets = max(sine_of(straight), 0.0);
         float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));
         deep = deep_under(met) * (storm_turned + storm_meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
         float slope = way.falls_1_m * lee_share / eye.slots[hit.slot].lump_0.w;
-        float lee = 0.5 - 0.5 * slope * inversesqrt(1.0 + slope * slope);
+        float lee = 0.5 - 0.5 * sine_of(slope);
         bool flat_layer = hit.slot == VELUM_SLOT_MIDDLE || hit.slot == VELUM_SLOT_HIGH;
         dark = (flat_layer ? dark : down + aside * lee) * (1.0 - alone_dark * alone);
     }

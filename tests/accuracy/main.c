@@ -192,7 +192,7 @@ static void tell_time(void) {
     }
 }
 
-enum { LIST, RUN, CHART, STABILITY, REFERENCE, GENERA, FLIGHT, HOLD, COMMANDS };
+enum { LIST, RUN, CHART, STABILITY, REFERENCE, GENERA, FLIGHT, BOUNDS, COMMANDS };
 static const char *const commands[COMMANDS] = {"list",      "run",    "chart",  "stability",
                                                "reference", "genera", "flight", "bounds"};
 
@@ -252,7 +252,7 @@ int main(int argc, char **argv) {
              : command == STABILITY ? stability_run(&p)
              : command == GENERA    ? genera_run(&p)
              : command == FLIGHT    ? flight_run(&p)
-             : command == HOLD      ? bounds_run(&p)
+             : command == BOUNDS    ? bounds_run(&p)
                                     : program_make_references(&p);
     if (p.skipped || p.failed) {
         fprintf(stderr, "velum-accuracy: %u skipped, %u failed\n", p.skipped, p.failed);

@@ -141,7 +141,6 @@ bool reference_is_enough(const reference *r, const reference_options *options) {
 
 /* Where one part stands: before it, `base`; itself, `now`; both, `out`. */
 typedef struct part {
-    const char *device;
     reference base;
     picture now;
     double paths;
@@ -154,7 +153,6 @@ static void gather(const part *t, double seconds, reference *out) {
     }
     out->paths = t->base.paths + t->paths;
     out->parts = t->base.parts + 1;
-    snprintf(out->made_on, sizeof out->made_on, "%s", t->device);
     out->seconds = t->base.seconds + seconds;
     look(out);
 }
@@ -190,6 +188,7 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
         looked_ms = now_ms;
         if (t->paths >= LEAST_PATHS) {
             gather(t, seconds, out);
+            snprintf(out->made_on, sizeof out->made_on, "%s", s->device_name);
         }
         done = late || (t->paths >= LEAST_PATHS && reference_is_enough(out, options));
         if (t->paths >= LEAST_PATHS && (done || now_ms - saved_ms > SAVE_MS)) {
@@ -207,7 +206,7 @@ static velum_result add_paths(stage *s, part *t, stage_view *v, const char *name
 static int render(stage *s, const char *name, const stage_camera *c, const reference_options *options, const char *path,
                   const char *key, reference *out) {
     stage_view v = {0};
-    part t = {.device = s->device_name, .base = *out};
+    part t = {.base = *out};
     int status = STAGE_FAILED;
     bool kept = true;
     t.base.picture = (picture){0};

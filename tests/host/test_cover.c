@@ -10,7 +10,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A plugin whose weather is a formula, and which counts what it is asked. */
 static double (*coverage_of)(const double position_m[3], double time_s);
