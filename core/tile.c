@@ -306,31 +306,42 @@ static void fill(uint8_t *covered, texel *texels) {
     }
 }
 
+static core_look look_of(const texel *from) {
+    float wind2 = 0.0f;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        const float wind_m_s = velum_texel_wind_m_s(core_texel_unit(from->value[TEXEL_WIND + axis]));
+        wind2 += wind_m_s * wind_m_s;
+    }
+    const float top_m = velum_texel_height_m(core_texel_unit(from->value[TEXEL_TOP]));
+    return (core_look){
+        {[CORE_LOOK_COVERAGE] = core_texel_unit(from->value[TEXEL_COVERAGE]),
+         [CORE_LOOK_THICKNESS] = top_m - velum_texel_height_m(core_texel_unit(from->value[TEXEL_BASE])),
+         [CORE_LOOK_EXTINCTION] = velum_texel_extinction_1_m(core_texel_unit(from->value[TEXEL_EXTINCTION])),
+         [CORE_LOOK_KIND] = core_texel_unit(from->value[TEXEL_KIND]),
+         [CORE_LOOK_WIND] = sqrtf(wind2)}};
+}
+
 static void store(core_tile_slot *slot, const texel *texels, uint16_t *a, uint16_t *b) {
-    uint32_t coverage = 0;
     uint32_t base = 65535;
     uint32_t top = 0;
-    uint32_t extinction = 0;
+    slot->looks.least = slot->looks.most = look_of(&texels[WIDE + 1]);
     for (uint32_t j = 0; j < SIDE; j++) {
         for (uint32_t i = 0; i < SIDE; i++) {
             const texel *from = &texels[(j + 1) * WIDE + i + 1];
             memcpy(a + (j * SIDE + i) * 4, &from->value[0], 4 * sizeof *a);
             memcpy(b + (j * SIDE + i) * 4, &from->value[4], 4 * sizeof *b);
             if (from->value[TEXEL_COVERAGE] > 0) {
-                coverage = coverage > from->value[TEXEL_COVERAGE] ? coverage : from->value[TEXEL_COVERAGE];
                 base = base < from->value[TEXEL_BASE] ? base : from->value[TEXEL_BASE];
                 top = top > from->value[TEXEL_TOP] ? top : from->value[TEXEL_TOP];
             }
-            /* Filters take what stands where there is no cloud, too. */
-            extinction = extinction > from->value[TEXEL_EXTINCTION] ? extinction : from->value[TEXEL_EXTINCTION];
+            const core_look look = look_of(from);
+            core_look_widen(&slot->looks, &(core_look_range){look, look});
         }
     }
     slot->a = a;
     slot->b = b;
-    slot->max_coverage = (float)coverage / 65535.0f;
     slot->min_base_m = velum_texel_height_m((float)base / 65535.0f);
     slot->max_top_m = velum_texel_height_m((float)top / 65535.0f);
-    slot->max_extinction_1_m = velum_texel_extinction_1_m((float)extinction / 65535.0f);
 }
 
 static bool has_fringe(const texel *texels) {
@@ -387,11 +398,12 @@ static void store_fringe(core_tile_slot *slot, const texel *texels, uint16_t *fr
     }
     if (scud > 0.0f) {
         slot->hem_m = with_spare(scud_m);
-        slot->max_scud_1_m = fminf(VELUM_SCUD_SHARE * slot->max_extinction_1_m, VELUM_SCUD_MOST_1_M);
+        slot->max_scud_1_m =
+            fminf(VELUM_SCUD_SHARE * slot->looks.most.value[CORE_LOOK_EXTINCTION], VELUM_SCUD_MOST_1_M);
     }
     if (transition_m > 0.0f) {
         core_span_widen(&slot->hem_m, with_spare(band_m));
-        slot->max_band_1_m = VELUM_BAND_SHARE * slot->max_extinction_1_m;
+        slot->max_band_1_m = VELUM_BAND_SHARE * slot->looks.most.value[CORE_LOOK_EXTINCTION];
     }
     if (fall > 0.0f) {
         slot->fall_m = with_spare(fall_m);

@@ -6,6 +6,8 @@
 #ifndef VELUM_CORE_TILE_H
 #define VELUM_CORE_TILE_H
 
+#include <math.h>
+
 #include "column.h"
 #include "shared/fringe.h"
 #include "shared/slots.h"
@@ -13,18 +15,31 @@
 
 #define CORE_TILE_PAGE_VALUES (VELUM_TILE_SIDE * VELUM_TILE_SIDE * 4)
 #define CORE_TILE_PAGE_BYTES (CORE_TILE_PAGE_VALUES * 2)
-#define CORE_TILE_DATA_LEVEL_MIN                                                                                       \
-    3 /* smooth weather is never held coarser than this, where a finer key is asked for                                \
-       */
+
+/* What makes a profile (density.h): 1, m, 1/m, 1, m/s. */
+enum {
+    CORE_LOOK_COVERAGE,
+    CORE_LOOK_THICKNESS,
+    CORE_LOOK_EXTINCTION,
+    CORE_LOOK_KIND,
+    CORE_LOOK_WIND,
+    CORE_LOOK_VALUES
+};
+typedef struct core_look {
+    float value[CORE_LOOK_VALUES];
+} core_look;
+/* Least and greatest of each. */
+typedef struct core_look_range {
+    core_look least, most;
+} core_look_range;
 
 typedef struct core_tile_slot {
     const uint16_t *a;           /* coverage, base, top, extinction; null: no cloud of this slot in the tile */
     const uint16_t *b;           /* wind x, y, z, kind */
     const uint16_t *fringe;      /* as shared/fringe.h has it; null: none */
     float min_base_m, max_top_m; /* HAE, over texels with coverage, apron included */
-    float max_coverage;
-    float max_extinction_1_m;
-    velum_span_m hem_m, fall_m; /* heights of what is there of either, HAE; low >= high: nothing */
+    core_look_range looks;       /* of all texels: filters take what stands where there is no cloud, too */
+    velum_span_m hem_m, fall_m;  /* heights of what is there of either, HAE; low >= high: nothing */
     float max_scud_1_m, max_band_1_m, max_fall_1_m;
 } core_tile_slot;
 
@@ -39,6 +54,14 @@ typedef struct core_tile {
 /* What a stored value is, 0..1. */
 static inline float core_texel_unit(uint16_t stored) {
     return (float)stored * (1.0f / 65535.0f);
+}
+
+/* Makes the range hold the other. */
+static inline void core_look_widen(core_look_range *range, const core_look_range *by) {
+    for (int i = 0; i < CORE_LOOK_VALUES; i++) {
+        range->least.value[i] = fminf(range->least.value[i], by->least.value[i]);
+        range->most.value[i] = fmaxf(range->most.value[i], by->most.value[i]);
+    }
 }
 
 static inline bool core_span_has_some(velum_span_m span) {

@@ -41,7 +41,7 @@ static double cap_distance_m(const core_cell *cell, const core_tile_cap *cap) {
 
 bool core_cell_matters(const core_cell *cell, const core_tile_cap *cap) {
     return cell->fields.flags & VELUM_CELL_HAS_LAYERS &&
-           cap_distance_m(cell, cap) <= CLEAR_TEXELS * core_tile_texel_m(CORE_TILE_DATA_LEVEL_MIN);
+           cap_distance_m(cell, cap) <= CLEAR_TEXELS * core_tile_texel_m(VELUM_TILE_DATA_LEVEL_MIN);
 }
 
 bool core_cell_touches(const core_cell *cell, const core_tile_cap *cap) {
@@ -50,7 +50,7 @@ bool core_cell_touches(const core_cell *cell, const core_tile_cap *cap) {
 
 /* The texel that a station or region asks for over the cap. */
 static double cell_texel_m(const core_cell *cell, const core_tile_cap *cap, double lat_deg, double lon_deg) {
-    double reach_m = CLEAR_TEXELS * core_tile_texel_m(CORE_TILE_DATA_LEVEL_MIN) + cap->radius_m;
+    double reach_m = CLEAR_TEXELS * core_tile_texel_m(VELUM_TILE_DATA_LEVEL_MIN) + cap->radius_m;
     double own_m;
     double gap_m;
     if (cell->kind == VELUM_CELL_STATION) {
@@ -67,7 +67,7 @@ static double cell_texel_m(const core_cell *cell, const core_tile_cap *cap, doub
 
 uint32_t core_detail_level(const core_state *state, const uint32_t *cells, uint32_t count, const core_tile_cap *cap) {
     uint32_t most = cap->level;
-    uint32_t level = most < CORE_TILE_DATA_LEVEL_MIN ? most : CORE_TILE_DATA_LEVEL_MIN;
+    uint32_t level = most < VELUM_TILE_DATA_LEVEL_MIN ? most : VELUM_TILE_DATA_LEVEL_MIN;
     double lat_deg = core_normal_lat_deg(cap->normal);
     double lon_deg = core_normal_lon_deg(cap->normal);
     if (state->grid && state->grid->slot_mask) {

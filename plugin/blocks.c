@@ -8,6 +8,7 @@
 #include "shades.h"
 #include "shared/air.h"
 #include "shared/fringe.h"
+#include "shared/sample.h"
 
 /* Below this the visibility is fog's, with a top; above it haze's. */
 #define FOG_VISIBILITY_M 20000.0f
@@ -104,6 +105,26 @@ static void fill_optics(const engine *e, velum_eye_block *out) {
     }
 }
 
+static velum_slot_fields fields_of_look(const core_look *look) {
+    return (velum_slot_fields){.coverage = look->value[CORE_LOOK_COVERAGE],
+                               .top_m = look->value[CORE_LOOK_THICKNESS],
+                               .extinction_1_m = look->value[CORE_LOOK_EXTINCTION],
+                               .wind_x_m_s = look->value[CORE_LOOK_WIND],
+                               .kind = look->value[CORE_LOOK_KIND]};
+}
+
+static void fill_profile(const tiles *t, uint32_t slot, float blend, velum_slot_block *out) {
+    const velum_profile profile = velum_profile_of(
+        (int)slot, velum_fields_mix(fields_of_look(&t->look[0][slot]), fields_of_look(&t->look[1][slot]), blend));
+    float values[4][4] = {0};
+    _Static_assert(sizeof profile <= sizeof values, "four vectors of it");
+    memcpy(values, &profile, sizeof profile);
+    memcpy(out->profile_0, values[0], sizeof out->profile_0);
+    memcpy(out->profile_1, values[1], sizeof out->profile_1);
+    memcpy(out->profile_2, values[2], sizeof out->profile_2);
+    memcpy(out->profile_3, values[3], sizeof out->profile_3);
+}
+
 static void fill_phases(const core_drift *drift, uint32_t slot, const double position[3], velum_slot_block *out) {
     core_slot_phases p;
     core_slot_phases_at(slot, position, drift, &p);
@@ -160,6 +181,9 @@ bool blocks_fill_eye(const engine *e, const tiles *t, const double position_ecef
     fill_optics(e, out);
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         fill_phases(&e->drift, slot, position_ecef_m, &out->slots[slot]);
+        if (!t->uneven && mask >> slot & 1u) {
+            fill_profile(t, slot, e->weather.blend, &out->slots[slot]);
+        }
     }
     return true;
 }

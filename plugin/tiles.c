@@ -158,7 +158,8 @@ static bool take_pages(tiles *t, const tiles_context *c, uint32_t i, core_tile *
             t->page[at] = pages_get(c->p, c->s, tile[s], slot, &t->contents[at]);
             all = all && t->page[at] != VELUM_PAGE_NONE;
             bool first = !(t->mask & (1u << slot));
-            bool closes = slot >= VELUM_SLOT_UNIFORM || velum_overcast(fields->max_coverage) > 0.0f;
+            bool closes =
+                slot >= VELUM_SLOT_UNIFORM || velum_overcast(fields->looks.most.value[CORE_LOOK_COVERAGE]) > 0.0f;
             t->mask |= 1u << slot;
             t->closing |= closes ? 1u << slot : 0;
             t->base_m[slot] = first ? fields->min_base_m : fminf(t->base_m[slot], fields->min_base_m);
@@ -187,19 +188,40 @@ static uint32_t parent_of(uint32_t key) {
 typedef struct evenness {
     uint32_t everywhere; /* slots and VELUM_PART_* that all have */
     float high_base_m[VELUM_SLOT_COUNT], low_top_m[VELUM_SLOT_COUNT];
+    core_look_range looks[2][VELUM_SLOT_COUNT]; /* of each state */
+    uint32_t looked_at[2];                      /* slots of theirs */
+    uint32_t finest;                            /* level */
 } evenness;
 
 /* Of a layer's thickness, so much may its heights differ from tile to tile: geoid and lapse rate lift them a little. */
 #define EVEN_SHARE 0.25f
 
+/* By so much, or by such a share of its own, may what makes a profile differ. */
+static const core_look even_by = {{[CORE_LOOK_COVERAGE] = 0.002f, [CORE_LOOK_KIND] = 0.002f, [CORE_LOOK_WIND] = 0.1f}};
+static const core_look even_share = {{[CORE_LOOK_THICKNESS] = 0.01f, [CORE_LOOK_EXTINCTION] = 0.01f}};
+
+static bool looks_are_even(const core_look_range *looks) {
+    bool even = looks->least.value[CORE_LOOK_COVERAGE] > 0.0f;
+    for (int i = 0; i < CORE_LOOK_VALUES; i++) {
+        const float most = looks->most.value[i];
+        even = even && most - looks->least.value[i] <= even_by.value[i] + even_share.value[i] * most;
+    }
+    return even;
+}
+
 /* What a tile of one state has against all that the eye has. */
-static void note_even(evenness *e, const core_tile *tile) {
+static void note_even(evenness *e, const core_tile *tile, uint32_t state) {
     uint32_t here = 0;
     for (uint32_t slot = 0; tile && slot < VELUM_SLOT_COUNT; slot++) {
         const core_tile_slot *own = &tile->slot[slot];
         if (tile->mask >> slot & 1u) {
             e->high_base_m[slot] = fmaxf(e->high_base_m[slot], own->min_base_m);
             e->low_top_m[slot] = fminf(e->low_top_m[slot], own->max_top_m);
+            if (!(e->looked_at[state] >> slot & 1u)) {
+                e->looks[state][slot] = own->looks;
+            }
+            core_look_widen(&e->looks[state][slot], &own->looks);
+            e->looked_at[state] |= 1u << slot;
             here |= 1u << slot;
             here |= core_span_has_some(own->hem_m) ? 1u << (VELUM_PART_HEM + slot) : 0;
             here |= core_span_has_some(own->fall_m) ? 1u << (VELUM_PART_FALL + slot) : 0;
@@ -209,11 +231,14 @@ static void note_even(evenness *e, const core_tile *tile) {
 }
 
 static bool is_uneven(const tiles *t, const evenness *e) {
-    bool uneven = ((t->mask | t->fringes) & ~e->everywhere) != 0;
+    bool uneven = ((t->mask | t->fringes) & ~e->everywhere) != 0 || e->finest > VELUM_TILE_DATA_LEVEL_MIN;
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const float spare_m = EVEN_SHARE * (t->top_m[slot] - t->base_m[slot]);
         uneven = uneven || (t->mask >> slot & 1u && (e->high_base_m[slot] > t->base_m[slot] + spare_m ||
                                                      e->low_top_m[slot] < t->top_m[slot] - spare_m));
+        for (uint32_t s = 0; s < 2; s++) {
+            uneven = uneven || (e->looked_at[s] >> slot & 1u && !looks_are_even(&e->looks[s][slot]));
+        }
     }
     return uneven;
 }
@@ -249,7 +274,7 @@ static void resolve(tiles *t, const tiles_context *c) {
     for (uint32_t i = 0; i < t->set.data_count; i++) {
         uint32_t key = t->set.data_keys[i];
         uint32_t up = coarsening(c->p);
-        for (; up > 0 && velum_tile_key_level(key) > CORE_TILE_DATA_LEVEL_MIN; up--) {
+        for (; up > 0 && velum_tile_key_level(key) > VELUM_TILE_DATA_LEVEL_MIN; up--) {
             key = parent_of(key);
             t->standing = t->standing == VELUM_OK ? VELUM_DEGRADED : t->standing;
         }
@@ -264,15 +289,20 @@ static void resolve(tiles *t, const tiles_context *c) {
             found = find_tiles(c, key, false, tile);
         }
         t->resolved[i] = key;
+        even.finest = velum_tile_key_level(key) > even.finest ? velum_tile_key_level(key) : even.finest;
         if (!take_pages(t, c, i, tile)) {
             t->standing = VELUM_INCOMPLETE;
         }
         widen_mixed(t, tile);
-        note_even(&even, tile[0]);
-        note_even(&even, tile[1]);
+        note_even(&even, tile[0], 0);
+        note_even(&even, tile[1], 1);
         release(tile);
     }
     t->uneven = is_uneven(t, &even);
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        t->look[0][slot] = even.looks[0][slot].most;
+        t->look[1][slot] = even.looks[1][slot].most;
+    }
 }
 
 /* For core_tile_table_build: which of the resolved keys is asked for. Keys come in no order, so a small hash. */

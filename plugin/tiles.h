@@ -38,7 +38,8 @@ typedef struct tiles {
     uint32_t closing;                                        /* of them: uniform, or all but overcast somewhere */
     uint32_t fringes;                                        /* VELUM_PART_* + slot */
     float base_m[VELUM_SLOT_COUNT], top_m[VELUM_SLOT_COUNT]; /* HAE */
-    bool uneven; /* what there is, or how high it lies, is not much the same in all tiles */
+    bool uneven; /* what there is, how high it lies, or what makes its profile is not much the same in all tiles */
+    core_look look[2][VELUM_SLOT_COUNT]; /* else that, of each state */
     velum_span_m hem_m[VELUM_SLOT_COUNT], fall_m[VELUM_SLOT_COUNT];
     float most_scud_1_m[VELUM_SLOT_COUNT], most_band_1_m[VELUM_SLOT_COUNT], most_fall_1_m[VELUM_SLOT_COUNT];
 } tiles;

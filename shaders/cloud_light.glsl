@@ -61,35 +61,6 @@ velum_slab_span slab_span(cloud_hit hit) {
     return velum_slab_within(hit.at_h_m, hit.rise, hit.fields.base_m, hit.fields.top_m, hit.before_m, hit.after_m);
 }
 
-/* The newest profile: fields change little along a ray, often not at all. */
-struct profile_memo {
-    velum_profile profile;
-    vec4 of; /* kind, coverage, thickness, extinction */
-    float anvil_m;
-    int slot;
-};
-
-profile_memo profile_none() {
-    profile_memo memo;
-    memo.slot = -1;
-    memo.of = vec4(-1.0);
-    memo.anvil_m = 0.0;
-    return memo;
-}
-
-void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
-    vec4 of = vec4(f.kind, f.coverage, f.top_m - f.base_m, f.extinction_1_m);
-    float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
-    bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
-                abs(anvil_m - memo.anvil_m) < 2.0;
-    if (slot != memo.slot || !near) {
-        memo.profile = velum_profile_of(slot, f);
-        memo.of = of;
-        memo.anvil_m = anvil_m;
-        memo.slot = slot;
-    }
-}
-
 bool is_fringe(cloud_hit hit) {
     return FRINGED(hit.part >= VELUM_PART_HEM, false);
 }
@@ -109,9 +80,9 @@ void cloud_fields(inout cloud_hit hit, bool some) {
 #endif
 }
 
-/* Profile and extinction where slot, fields, span, place, tile and step are known. `looking` false: nothing is there;
+/* Extinction where slot, fields, profile, span, place, tile and step are known. `looking` false: nothing is there;
  * `base`: the shape without lumps and detail. */
-void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, float distance_m, bool base) {
+void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) {
     int slot = hit.slot;
     velum_slot_fields f = hit.fields;
     bool uniform_layer = slot >= VELUM_SLOT_UNIFORM;
@@ -119,8 +90,7 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
     float z = over_m / max(f.top_m - f.base_m, 1.0);
     bool fringe = is_fringe(hit);
     bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0 && !fringe;
-    profile_recall(memo, slot, f);
-    velum_profile profile = memo.profile;
+    velum_profile profile = hit.profile;
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
     bool covered = within && e > 0.0;
     float lump = base ? 1.0 : 0.0;
@@ -132,7 +102,6 @@ void cloud_look(inout cloud_hit hit, inout profile_memo memo, bool looking, floa
         fine = fine_noise(slot, f, hit.r);
     }
     z = clamp(z, 0.0, 1.0);
-    hit.profile = profile;
     hit.excess = e;
     hit.lump = lump;
     hit.margin = velum_margin(profile, e, z, lump, fine);

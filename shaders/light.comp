@@ -35,8 +35,8 @@ void main() {
     hit.after_m = found.y - hit.before_m;
     hit.tile = tile_find(hit.normal, at);
     cloud_fields(hit, true);
-    profile_memo memo = profile_none();
-    cloud_look(hit, memo, true, at, false);
+    hit.profile = velum_profile_of(hit.slot, hit.fields);
+    cloud_look(hit, true, at, false);
 
     float place_m = 0.0;
     int steps = int(view.steps.y) * (is_fringe(hit) ? fringe_sun_steps : 1);

@@ -47,6 +47,35 @@ const float opaque = 0.0015;
 /* Software devices run both sides of every branch, and the body of a loop at least once: only later turns of a loop are
  * left out, when all lanes have left it. */
 
+/* The newest profile: fields change little along a ray, often not at all. */
+struct profile_memo {
+    velum_profile profile;
+    vec4 of; /* kind, coverage, thickness, extinction */
+    float anvil_m;
+    int slot;
+};
+
+profile_memo profile_none() {
+    profile_memo memo;
+    memo.slot = -1;
+    memo.of = vec4(-1.0);
+    memo.anvil_m = 0.0;
+    return memo;
+}
+
+void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
+    vec4 of = vec4(f.kind, f.coverage, f.top_m - f.base_m, f.extinction_1_m);
+    float anvil_m = slot == VELUM_SLOT_STORM ? velum_anvil_m(f) : 0.0;
+    bool near = all(lessThanEqual(abs(of - memo.of), vec4(1.0e-3, 1.0e-3, 1.0e-3 * memo.of.zw))) &&
+                abs(anvil_m - memo.anvil_m) < 2.0;
+    if (slot != memo.slot || !near) {
+        memo.profile = velum_profile_of(slot, f);
+        memo.of = of;
+        memo.anvil_m = anvil_m;
+        memo.slot = slot;
+    }
+}
+
 /* Excess below which a column has no cloud at any height that the ray comes to before it meets one: where `here` is
  * wanted, and it rises by at most 1 in `rank_m`. */
 float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
@@ -163,13 +192,14 @@ void main() {
         float h1 = h + rise * dt * (1.0 - offset);
         float low = min(h0, h1);
         float high = max(h0, h1) + dt * dt * (0.5 / VELUM_WGS84_A_M);
-        tile = tile_move(tile, normal, at);
+        tile = velum_uneven ? tile_move(tile, normal, at) : tile_move_even(tile, normal, at);
         missing = missing || tile.missing;
 
         /* Which slots the step can meet: by their heights over all that the eye has, in this part of the tile, and here.
          * The first that it does meet is looked at now. */
         uint meets = 0u;
-        vec3 reach_m = tile_reach_m(tile, normal, ray.direction);
+        /* Where all tiles have the same, it tells nothing. */
+        vec3 reach_m = velum_uneven ? tile_reach_m(tile, normal, ray.direction) : vec3(0.0);
         float texel_m = tile.side_m / float(VELUM_TILE_TEXELS);
         float clear_m = 1.0e9;
         vec2 gap_m = no_gap_m;
@@ -241,7 +271,11 @@ void main() {
         hit.rise = rise;
         hit.before_m = dt * offset;
         hit.after_m = dt - hit.before_m;
-        cloud_look(hit, memo, looking, at, STUDIED(study_base(is_short), false));
+        if (velum_uneven) {
+            profile_recall(memo, slot, hit.fields);
+        }
+        hit.profile = velum_uneven ? memo.profile : even_profile(slot);
+        cloud_look(hit, looking, at, STUDIED(study_base(is_short), false));
         velum_slot_fields f = hit.fields;
         float extinction = hit.extinction_1_m;
         /* A band is crossed in a long step only where nothing else is left that the step may be gone back for. */

@@ -161,7 +161,10 @@ float line_depth(ivec2 texel) {
             float z = (h - f.base_m) / max(f.top_m - f.base_m, 1.0);
             bool within = next.meets && f.coverage > 0.0 && z > 0.0 && z < 1.0 && !uniform_layer;
             if (within) {
-                velum_profile profile = velum_profile_of(slot, f);
+                velum_profile profile = even_profile(slot);
+                if (velum_uneven) {
+                    profile = velum_profile_of(slot, f);
+                }
                 float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
                 vec2 ways_m = clear_ways_m(slot, f, profile, rise);
                 float clear = -e * ways_m.x;

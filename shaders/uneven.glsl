@@ -28,4 +28,24 @@ float gap_way_m(vec2 gap_m, float h, float rise) {
     return min(up, down);
 }
 
+/* tile_move where weather is even: the tiles under a tile of data are all as that is. */
+tile_place tile_move_even(tile_place last, vec3 normal, float distance_m) {
+    velum_face_place face = velum_face_of(normal.x, normal.y, normal.z);
+    uint level = velum_tile_level(distance_m, eye.weather.x);
+    uint data_level = min(level, uint(VELUM_TILE_DATA_LEVEL_MIN));
+    vec2 at = vec2(velum_tile_coordinate(face.u, data_level), velum_tile_coordinate(face.v, data_level));
+    uint key = velum_tile_key(data_level, uint(face.face), uint(at.x), uint(at.y));
+    tile_place place = last;
+    if (key != last.key) {
+        uint own_key = velum_tile_key(level, uint(face.face), uint(velum_tile_coordinate(face.u, level)),
+                                      uint(velum_tile_coordinate(face.v, level)));
+        place = tile_look_up(face, int(level), own_key);
+        place.key = key;
+        place.scale *= float(1u << (level - data_level));
+        place.face = face.face;
+    }
+    place.uv = uv_in_page(at * place.scale);
+    return place;
+}
+
 #endif

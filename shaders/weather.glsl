@@ -83,6 +83,11 @@ tile_place tile_look_up(velum_face_place face, int wanted, uint key) {
     return place;
 }
 
+/* Of coordinates at the level of a page. */
+vec2 uv_in_page(vec2 at) {
+    return (fract(at) * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
+}
+
 /* The tile under a place so far from the eye. `last` is that of another place: neighbours often share one, and then
  * the table is not asked. */
 tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
@@ -98,8 +103,7 @@ tile_place tile_move(tile_place last, vec3 normal, float distance_m) {
     place.face = face.face;
     place.own = fract(vec2(x, y));
     place.own_m = VELUM_TILE_FACE_M / float(1u << level);
-    vec2 within = fract(vec2(x, y) * place.scale);
-    place.uv = (within * float(VELUM_TILE_TEXELS) + float(VELUM_TILE_APRON)) / float(VELUM_TILE_SIDE);
+    place.uv = uv_in_page(vec2(x, y) * place.scale);
     return place;
 }
 
@@ -222,10 +226,19 @@ float slot_coverage(tile_place place, int slot, vec2 uv) {
     return coverage;
 }
 
+/* Of all that the eye has of a slot, where that is the same (velum_slot_block). */
+velum_profile even_profile(int slot) {
+    vec4 a = eye.slots[slot].profile_0;
+    vec4 b = eye.slots[slot].profile_1;
+    vec4 c = eye.slots[slot].profile_2;
+    vec4 d = eye.slots[slot].profile_3;
+    return velum_profile(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y);
+}
+
 /* Trails of cirrus follow fibres, however bent: what a column leans by is stretched alone. */
 vec3 noise_place(int slot, vec3 r, vec3 lean, vec4 phase, float stretch) {
     float across_m = 0.0;
-    if (slot == VELUM_SLOT_HIGH) {
+    if (stretch < 1.0 && slot == VELUM_SLOT_HIGH) {
         across_m = velum_north_m(eye.position.x, eye.position.y, eye.position.z, r.x, r.y, r.z) +
                    velum_waves_m(eye.position.x + r.x, eye.position.y + r.y, eye.position.z + r.z);
     }

@@ -33,6 +33,11 @@ VELUM_STRUCT(velum_slot_block) {
     VELUM_VEC4(optics); /* uniform slots: albedo, Henyey-Greenstein g, share of the extinction by which the sun's
                            light falls off (shared/scattering.h); else 1, 0, 0; stretch of
                            fine detail */
+    /* velum_profile in its order, and two unused, where all that the eye has of the slot has the same. */
+    VELUM_VEC4(profile_0);
+    VELUM_VEC4(profile_1);
+    VELUM_VEC4(profile_2);
+    VELUM_VEC4(profile_3);
 };
 
 /* An eye in a frame. */

@@ -8,6 +8,8 @@
 #define VELUM_TILE_APRON 1
 #define VELUM_TILE_SIDE 34        /* stored texels a side */
 #define VELUM_TILE_LEVEL_MAX 12   /* texel of 76 m */
+/* Smooth weather is never held coarser than this, where a finer key is asked for. */
+#define VELUM_TILE_DATA_LEVEL_MIN 3
 #define VELUM_TILE_FACE_M 1.0e7f  /* length of a face's side, nominal */
 #define VELUM_TILE_KEY_NONE 0xffffffffu
 /* Pages of a layer of their image, side by side: one page a layer is padded to twice its size on GPUs. */

@@ -18,7 +18,7 @@ vec4 counted_lod(sampler2DArray from, vec3 at, float lod) {
 vec4 counted_lod(sampler3D from, vec3 at, float lod) {
     ivec3 side = textureSize(from, 0);
     bool is_shape = side == ivec3(128);
-    bool is_detail = side == ivec3(32);
+    bool is_detail = side == ivec3(64);
     fetched_shape += is_shape ? 1u : 0u;
     fetched_detail += is_detail ? 1u : 0u;
     fetched_other += is_shape || is_detail ? 0u : 1u;
