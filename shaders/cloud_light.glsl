@@ -278,22 +278,29 @@ const float near_face = 0.28, near_share = 0.0393;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
 const float wall_share = 0.843;
 /* Of storms, whose walls are the most that they are, and less in a field of anvils... */
-const float storm_share = 0.91, storm_field = 0.24;
-const float storm_walls = 0.26, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
+const float storm_share = 1.1, storm_field = 0.72;
+const float storm_walls = 0.95, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
 const float field_share = 2.18;
-/* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants. Fitted, with
- * what flanks see, to the scene `thunderstorm`. */
-const float storm_turned = 0.80, storm_meets = 0.58;
+/* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants; in a field
+ * of anvils hardly. Fitted, with what flanks see, to the scene `thunderstorm` and to references of cumulonimbus. */
+const float storm_turned = 0.72, storm_meets = 0.7;
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
-const float sky_aside = 0.52;   /* how far aside, m a metre down, what is seen between storms is their walls */
+const float anvil_faces = 0.35; /* how far anvils are met as a deck's faces are, and not as a plane */
+const float storm_below_share = 0.4; /* as below_share: the bases of storms are wide and dark */
+const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.41, falls = 1.78;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
 const float onward = 0.1;
+/* How far lumps on a closed sheet's top are turned to the sun, on the mean: less where they stand in each other's shadow,
+ * and the less the more cloud lies above, which scatters light anew, or the less below, which sends it back. Fitted to
+ * references of stratus, altostratus and nimbostratus from above. */
+const float sheet_faces = 0.6, sheet_up = 4.0, sheet_down = 8.0;
+const float faces_shadow = 0.2; /* cosine of the sun's zenith angle below which they do */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
 const float flank_share = 0.0905; /* of the noise's period: from hem to heart of what light crosses */
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
@@ -341,6 +348,16 @@ float deep_under(float face) {
     return deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
 }
 
+/* Cosine at which the sun meets the faces of a deck. */
+float deck_faces(float mu_sun) {
+    return deck_face + deck_tilt * mu_sun;
+}
+
+/* How far such faces stand free of each other's shadow. */
+float faces_free(float mu_sun) {
+    return sqrt(clamp(mu_sun / faces_shadow, 0.0, 1.0));
+}
+
 /* Of the angle whose tangent this is. */
 float sine_of(float slope) {
     return slope * inversesqrt(1.0 + slope * slope);
@@ -371,7 +388,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float wall = storm ? of_storm * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
-    float face = max(mix(lumps, deck_face + deck_tilt * mu_sun, over * over), wall);
+    float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
     float even = deep_under(face);
     float deep = even;
     if (heaps) {
@@ -382,8 +399,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
-        float met = mix(clamp(mu_sun, storm_graze, lump_face), face, meets * (1.0 - velum_anvil(hit.height_fraction)));
-        deep = deep_under(met) * (storm_turned + storm_meets * meets);
+        float level = mix(clamp(mu_sun, storm_graze, lump_face), deck_faces(mu_sun), anvil_faces * faces_free(mu_sun));
+        float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
+        deep = deep_under(met) * (storm_turned + storm_meets * (1.0 - hit.profile.damp) * meets);
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -405,7 +423,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 open = 0.5 * (above + below) + field;
     above += field;
     vec3 beside = open + walls * (storm ? of_storm : wall_share) * even * sun;
-    vec3 all_round = (above * up + below * below_share * down + beside * flank) / (up + below_share * down + flank);
+    down *= storm ? storm_below_share : below_share;
+    vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }
 
@@ -425,6 +444,13 @@ float soft_share(cloud_hit hit, ways_out ways) {
     float lengths = max(ways.reach - z, 0.0) * hit.profile.power * max(hit.excess, 0.0);
     lengths /= max(softness * ways.reach, 1.0e-4);
     return lengths < 1.0 ? lengths * lengths * (1.0 - 0.5 * lengths) : 1.0 - 0.5 / lengths;
+}
+
+/* Cosine at which the sun meets a closed sheet where so much of it lies above and below: that of a plane, or, of its lumps
+ * near by, of a deck's faces. */
+float sheet_face(float mu_sun, float up, float down) {
+    float near = exp(-up / sheet_up) * (1.0 - exp(-down / sheet_down));
+    return mix(mu_sun, deck_faces(mu_sun), sheet_faces * faces_free(mu_sun) * near);
 }
 
 /* The same by a table (shared/scattering.h): of a uniform layer, what it is made for, or of cloud that has closed.
@@ -459,7 +485,8 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     float whole = up + ways.down;
     /* Beneath a top what lies towards the sun counts; deep below it light comes from all of the column. */
     float column = sqrt(up / max(whole, 1.0e-6));
-    float toward = mix(min(depth * max(mu_sun, 0.0), whole), up, column);
+    float face = uniform_layer ? mu_sun : sheet_face(mu_sun, up, ways.down);
+    float toward = mix(min(depth * max(face, 0.0), whole), up, column);
     vec3 source = vec3(0.0);
     /* Two points of Gauss and Legendre over the light that a step through a uniform layer takes. */
     int points = uniform_layer ? 2 : 1;
@@ -473,7 +500,7 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
         vec2 sky = scattered_sky(which, uniform_layer ? over : up, uniform_layer ? under : ways.down, -hit.rise);
         float narrow = velum_scattering_first(phases.cos_sun, g, peak, straight * along);
         float first = mix(narrow, wide, second) * albedo * light.direct;
-        float later = scattered_sun(which, scattering_rest(rest_g, 1.0 - straight), over, under, mu_sun, -hit.rise,
+        float later = scattered_sun(which, scattering_rest(rest_g, 1.0 - straight), over, under, face, -hit.rise,
                                     phases.cos_sun);
         source += sun * (first + later) + above * sky.x + below * sky.y;
     }
