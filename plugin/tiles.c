@@ -190,6 +190,7 @@ typedef struct evenness {
     float high_base_m[VELUM_SLOT_COUNT], low_top_m[VELUM_SLOT_COUNT];
     core_look_range looks[2][VELUM_SLOT_COUNT]; /* of each state */
     uint32_t looked_at[2];                      /* slots of theirs */
+    bool mixed;                                 /* states are not one */
     uint32_t finest;                            /* level */
 } evenness;
 
@@ -230,12 +231,21 @@ static void note_even(evenness *e, const core_tile *tile, uint32_t state) {
     e->everywhere &= here;
 }
 
+/* Whether a profile asks for a wind that is mixed of two. States are mixed by vectors, of which looks have but the
+ * lengths; only anvils ask (velum_profile_of). */
+static bool mixes_winds(const evenness *e, uint32_t slot) {
+    const float most_m_s =
+        fmaxf(e->looks[0][slot].most.value[CORE_LOOK_WIND], e->looks[1][slot].most.value[CORE_LOOK_WIND]);
+    return slot == VELUM_SLOT_STORM && e->mixed && most_m_s > even_by.value[CORE_LOOK_WIND];
+}
+
 static bool is_uneven(const tiles *t, const evenness *e) {
     bool uneven = ((t->mask | t->fringes) & ~e->everywhere) != 0 || e->finest > VELUM_TILE_DATA_LEVEL_MIN;
     for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
         const float spare_m = EVEN_SHARE * (t->top_m[slot] - t->base_m[slot]);
         uneven = uneven || (t->mask >> slot & 1u && (e->high_base_m[slot] > t->base_m[slot] + spare_m ||
                                                      e->low_top_m[slot] < t->top_m[slot] - spare_m));
+        uneven = uneven || mixes_winds(e, slot);
         for (uint32_t s = 0; s < 2; s++) {
             uneven = uneven || (e->looked_at[s] >> slot & 1u && !looks_are_even(&e->looks[s][slot]));
         }
@@ -294,6 +304,7 @@ static void resolve(tiles *t, const tiles_context *c) {
             t->standing = VELUM_INCOMPLETE;
         }
         widen_mixed(t, tile);
+        even.mixed = even.mixed || tile[0] != tile[1];
         note_even(&even, tile[0], 0);
         note_even(&even, tile[1], 1);
         release(tile);

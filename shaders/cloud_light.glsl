@@ -277,28 +277,33 @@ const float deck_face = 0.395, deck_tilt = 0.248;
 const float near_face = 0.28, near_share = 0.0393;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
 const float wall_share = 0.843;
-/* Of storms, whose walls are the most that they are, and less in a field of anvils... */
-const float storm_share = 1.1, storm_field = 0.72;
-const float storm_walls = 0.95, shaft_walls = 0.6; /* ... and what their flanks see of them, and at least rain */
+const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
 const float field_share = 2.18;
-/* Light of a storm's faces: on the mean, and more where the sun meets them straight, less where it slants; in a field
- * of anvils hardly. Fitted, with what flanks see, to the scene `thunderstorm` and to references of cumulonimbus. */
-const float storm_turned = 0.72, storm_meets = 0.7;
+struct storm_look {
+    float walls;  /* light of walls, which is the most that storms have */
+    float beside; /* what flanks see of them */
+    float turned; /* light of faces, on the mean... */
+    float meets;  /* ... and more where the sun meets them straight */
+    float base;   /* as below_share */
+    float faces;  /* how far tops are met as a deck's faces are, and not as a plane */
+};
+/* One that stands alone, or covers all the sky, and one in a field of anvils, as far as velum_profile.damp goes. Fitted to
+ * the scene `thunderstorm`, and to references of cumulonimbus. */
+const storm_look storm_alone = storm_look(0.91, 0.26, 0.80, 0.58, 1.32, 0.0);
+const storm_look storm_in_field = storm_look(0.415, 1.07, 0.71, 0.02, 0.24, 0.41);
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
-const float anvil_faces = 0.35; /* how far anvils are met as a deck's faces are, and not as a plane */
-const float storm_below_share = 0.4; /* as below_share: the bases of storms are wide and dark */
 const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.41, falls = 1.78;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
 const float onward = 0.1;
-/* How far lumps on a closed sheet's top are turned to the sun, on the mean: less where they stand in each other's shadow,
- * and the less the more cloud lies above, which scatters light anew, or the less below, which sends it back. Fitted to
- * references of stratus, altostratus and nimbostratus from above. */
+/* How far the sun meets lumps on a closed sheet's top, on the mean, and not a plane: a low one straighter, a high one less
+ * so; hardly where they stand in each other's shadow, and the less the more cloud lies above, which scatters light anew,
+ * or the less below, which sends it back. Fitted to references of stratus, altostratus and nimbostratus from above. */
 const float sheet_faces = 0.6, sheet_up = 4.0, sheet_down = 8.0;
 const float faces_shadow = 0.2; /* cosine of the sun's zenith angle below which they do */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
@@ -348,6 +353,13 @@ float deep_under(float face) {
     return deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
 }
 
+storm_look storm_look_of(float damp) {
+    storm_look a = storm_alone;
+    storm_look b = storm_in_field;
+    return storm_look(mix(a.walls, b.walls, damp), mix(a.beside, b.beside, damp), mix(a.turned, b.turned, damp),
+                      mix(a.meets, b.meets, damp), mix(a.base, b.base, damp), mix(a.faces, b.faces, damp));
+}
+
 /* Cosine at which the sun meets the faces of a deck. */
 float deck_faces(float mu_sun) {
     return deck_face + deck_tilt * mu_sun;
@@ -384,8 +396,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
     float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
-    float of_storm = storm_share - storm_field * hit.profile.damp;
-    float wall = storm ? of_storm * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
+    storm_look look = storm_look_of(hit.profile.damp);
+    float wall = storm ? look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
@@ -399,9 +411,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
-        float level = mix(clamp(mu_sun, storm_graze, lump_face), deck_faces(mu_sun), anvil_faces * faces_free(mu_sun));
+        float level = mix(clamp(mu_sun, storm_graze, lump_face), deck_faces(mu_sun), look.faces * faces_free(mu_sun));
         float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
-        deep = deep_under(met) * (storm_turned + storm_meets * (1.0 - hit.profile.damp) * meets);
+        deep = deep_under(met) * (look.turned + look.meets * meets);
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -417,13 +429,13 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
-        above = between_storms(hit, above, of_storm * even * sun, mu_sun);
+        above = between_storms(hit, above, look.walls * even * sun, mu_sun);
     }
-    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_walls) : hit.fields.coverage;
+    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : look.beside) : hit.fields.coverage;
     vec3 open = 0.5 * (above + below) + field;
     above += field;
-    vec3 beside = open + walls * (storm ? of_storm : wall_share) * even * sun;
-    down *= storm ? storm_below_share : below_share;
+    vec3 beside = open + walls * (storm ? look.walls : wall_share) * even * sun;
+    down *= storm && !is_fringe(hit) ? look.base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }

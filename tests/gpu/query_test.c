@@ -339,6 +339,13 @@ static void fringes(void **state) {
     }
 }
 
+static void stand_half_way(fixture *f, const uint64_t states[2]) {
+    const velum_timeline_key keys[2] = {
+        {.struct_size = sizeof keys[0], .time_s = -100.0, .state = states[0]},
+        {.struct_size = sizeof keys[0], .time_s = 50.0, .transition_s = 100.0, .state = states[1]}};
+    assert_int_equal(f->world_api->set_timeline(f->world, keys, 2, 0), VELUM_OK);
+}
+
 /* Half way from a dry state to one of low cloud with rain, the rain hangs from a base between theirs: far over that of
  * either's rain, in weather that is the same everywhere and where a region makes it differ. */
 static void coming_rain(void **state) {
@@ -361,18 +368,33 @@ static void coming_rain(void **state) {
             const velum_state_desc desc = {.struct_size = sizeof desc, .cells = cells, .cell_count = count};
             assert_int_equal(f.world_api->commit(f.world, &desc, &states[i]), VELUM_OK);
         }
-        const velum_timeline_key keys[2] = {
-            {.struct_size = sizeof keys[0], .time_s = -100.0, .state = states[0]},
-            {.struct_size = sizeof keys[0], .time_s = 50.0, .transition_s = 100.0, .state = states[1]}};
-        assert_int_equal(f.world_api->set_timeline(f.world, keys, 2, 0), VELUM_OK);
+        stand_half_way(&f, states);
         compare_whole(&f, 1400.0, 0.05f, 0.001, 0.001, count == 1 ? "coming rain" : "coming rain, a region beyond");
         fixture_finish(&f);
     }
 }
 
+/* Half way from a west wind to an east wind anvils stand over their towers, as in calm air, everywhere alike. */
+static void winds_that_turn(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    uint64_t states[2];
+    for (int i = 0; i < 2; i++) {
+        velum_layer layer = layer_of(VELUM_GENUS_CB, 0.6f, 900.0f, 11500.0f, 0.02f, 30.0f);
+        layer.wind_east_m_s = i == 0 ? 20.0f : -20.0f;
+        const velum_cell cell = fixture_cell(&layer, 1);
+        const velum_state_desc desc = {.struct_size = sizeof desc, .cells = &cell, .cell_count = 1};
+        assert_int_equal(f.world_api->commit(f.world, &desc, &states[i]), VELUM_OK);
+    }
+    stand_half_way(&f, states);
+    compare_whole(&f, 9000.0, 0.8f, 0.002, 0.005, "winds that turn");
+    fixture_finish(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(uniform_layers), cmocka_unit_test(first_contact),
-                                       cmocka_unit_test(thin_cloud), cmocka_unit_test(fringes),
-                                       cmocka_unit_test(coming_rain)};
+                                       cmocka_unit_test(thin_cloud),     cmocka_unit_test(fringes),
+                                       cmocka_unit_test(coming_rain),    cmocka_unit_test(winds_that_turn)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
