@@ -7,8 +7,8 @@
 
 /* Light of the whole sky, as if it all came at this cosine; of one that is lit by a sun on the horizon, at the other
  * (fitted to the reference: the scene `sunset`, and genera from below at dusk). */
-#define SKY_MU 0.6f
-#define SKY_LOW_MU 0.48f
+#define SKY_MU 0.657f
+#define SKY_LOW_MU 0.437f
 
 /* What layers that absorb nothing send back of light that they let through one by one: with light that goes to and fro
  * between them, (1 - t) / t adds up. */
@@ -27,14 +27,14 @@ static void add_shade(const core_column *column, float mu_sun, float albedo, flo
         }
         velum_slot_fields f = column->slot[slot];
         float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)slot).shape_period_m;
-        velum_layer_light above = velum_layer_light_at(f, height_m, mu_sun, 0.0f, cloud_m);
-        velum_layer_light even = velum_layer_light_at(f, height_m, sky_mu, 0.0f, cloud_m);
+        velum_layer_light above = velum_layer_light_at((int)slot, f, height_m, mu_sun, 0.0f, cloud_m);
+        velum_layer_light even = velum_layer_light_at((int)slot, f, height_m, sky_mu, 0.0f, cloud_m);
         beam *= above.open;
         sun = add_layer(sun, above.open + above.through + above.aside + above.sides);
         sky = add_layer(sky, even.open + even.through + even.aside * velum_aside_of(mu_sun));
         f.top_m = fminf(f.top_m, height_m);
         if (f.top_m > f.base_m) {
-            velum_layer_light under = velum_layer_light_at(f, f.base_m, mu_sun, 0.0f, cloud_m);
+            velum_layer_light under = velum_layer_light_at((int)slot, f, f.base_m, mu_sun, 0.0f, cloud_m);
             below = add_layer(below, under.open + under.through + under.aside + under.sides);
         }
     }

@@ -17,7 +17,6 @@ layout(constant_id = 4) const bool velum_closes = true;
 /* What holds along a ray: its angle to the sun never changes. */
 struct ray_phases {
     float water, ice; /* first order */
-    float widened;    /* orders that keep near the forward peak */
     float cos_sun;
 };
 
@@ -26,7 +25,6 @@ ray_phases ray_phases_of(float cos_sun) {
     phases.cos_sun = cos_sun;
     phases.water = velum_phase_cloud(cos_sun, false);
     phases.ice = velum_phase_cloud(cos_sun, true);
-    phases.widened = velum_phase_hg(cos_sun, 0.55);
     return phases;
 }
 
@@ -172,7 +170,7 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun, float ahead) {
         } else if (slot == VELUM_SLOT_STORM) {
             f.coverage = ahead;
         }
-        velum_layer_light light = velum_layer_light_at(f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
+        velum_layer_light light = velum_layer_light_at(slot, f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
         left.open = own ? light.open : left.open;
         /* Storms' own walls are counted apart (wall). */
@@ -254,33 +252,33 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
  * light alike all round it shines alike, but for sky_share. Fitted to the reference over the scenes of tests/accuracy. */
-const float turns = 0.0426; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
-const float lit_depth = 1.08; /* of the lit face, over that along the sun */
-const float dark_share = 1.11; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.783;
-const float below_share = 1.32; /* of the base among the ways out */
+const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
+const float lit_depth = 1.02; /* of the lit face, over that along the sun */
+const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
+const float deep_share = 0.895;
+const float below_share = 1.29; /* of the base among the ways out */
 /* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
  * gaps. */
-const float alone_from = 0.4, alone_lit = 3.5, alone_dark = 0.25;
+const float alone_from = 0.437, alone_lit = 3.53, alone_dark = 0.245;
 /* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
  * leaves by the flank too; layers higher up lie too flat for that. */
-const float lee_share = 0.145;
+const float lee_share = 0.143;
 /* Of the light from all round, over that of the half worlds above and below a layer: the air and the cloud at its own
  * heights shine too. An overcast has no gaps for that; of storms and what falls
  * it is not known. */
-const float sky_share = 1.14;
+const float sky_share = 1.11;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.577, lump_low = 0.453;
-const float deck_face = 0.395, deck_tilt = 0.248;
+const float lump_face = 0.59, lump_low = 0.484;
+const float deck_face = 0.391, deck_tilt = 0.251;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
-const float near_face = 0.28, near_share = 0.0393;
+const float near_face = 0.252, near_share = 0.0357;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
-const float wall_share = 0.843;
+const float wall_share = 0.634;
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
-const float field_share = 2.18;
+const float field_share = 2.12;
 struct storm_look {
     float walls;  /* light of walls, which is the most that storms have */
     float beside; /* what flanks see of them */
@@ -291,27 +289,30 @@ struct storm_look {
 };
 /* One that stands alone, or covers all the sky, and one in a field of anvils, as far as velum_profile.damp goes. Fitted to
  * the scene `thunderstorm`, and to references of cumulonimbus. */
-const storm_look storm_alone = storm_look(0.91, 0.26, 0.80, 0.58, 1.32, 0.0);
-const storm_look storm_in_field = storm_look(0.415, 1.07, 0.71, 0.02, 0.24, 0.41);
+const storm_look storm_alone = storm_look(0.91, 0.26, 0.80, 0.58, 1.29, 0.0);
+const storm_look storm_in_field = storm_look(0.41, 0.91, 0.61, 0.02, 0.23, 0.42);
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
-const float limb = 2.41, falls = 1.78;
+const float limb = 2.53, falls = 1.96;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
-const float onward = 0.1;
+const float onward = 0.104;
 /* How far the sun meets lumps on a closed sheet's top, on the mean, and not a plane: a low one straighter, a high one less
  * so; hardly where they stand in each other's shadow, and the less the more cloud lies above, which scatters light anew,
  * or the less below, which sends it back. Fitted to references of stratus, altostratus and nimbostratus from above. */
 const float sheet_faces = 0.6, sheet_up = 4.0, sheet_down = 8.0;
 const float faces_shadow = 0.2; /* cosine of the sun's zenith angle below which they do */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-const float flank_share = 0.0905; /* of the noise's period: from hem to heart of what light crosses */
+const float flank_share = 0.0892; /* of the noise's period: from hem to heart of what light crosses */
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
-const float flank_lumps = 0.4;
-const float onset = 0.0513; /* of light that has turned, by the depth of all of the cloud */
-const float widened_share = 0.63, widened_loss = 0.0927;
+const float flank_lumps = 0.41;
+const float onset = 0.0481; /* of light that has turned, by the depth of all of the cloud */
+/* What keeps near the forward peak, wider by each order and so by the depth (Riley et al. 2004): its share, of which the
+ * depth takes away, and its mean cosine, which falls. Of ice, whose peak is narrow, on the mean. */
+const float widened_share = 0.715, widened_loss = 0.0854, widened_g = 0.749, widened_fade = 0.0946;
+const float ice_share = 0.63, ice_loss = 0.0927, ice_g = 0.55;
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -393,8 +394,11 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float aside = flank * (1.0 - over);
     flank = max(flank - max(up, down), 0.0) * (storm ? 1.0 : 1.0 - over);
 
-    float first = (hit.slot == VELUM_SLOT_HIGH ? phases.ice : phases.water) * exp(-depth);
-    float widened = widened_share * phases.widened * exp(-widened_loss * depth) * (1.0 - exp(-0.25 * whole));
+    bool ice = hit.slot == VELUM_SLOT_HIGH;
+    float first = (ice ? phases.ice : phases.water) * exp(-depth);
+    float kept = ice ? ice_share * exp(-ice_loss * depth) : widened_share * exp(-widened_loss * depth);
+    float kept_g = ice ? ice_g : widened_g * exp(-widened_fade * depth);
+    float widened = kept * velum_phase_hg(phases.cos_sun, kept_g) * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
     storm_look look = storm_look_of(hit.profile.damp);
     float wall = storm ? look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;

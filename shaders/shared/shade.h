@@ -18,6 +18,23 @@ VELUM_FN float velum_flux_through(float depth, float mu_sun) {
     return velum_flux_under(VELUM_TURNING_SHARE * depth, turned_g, VELUM_MAX(mu_sun, 0.02f));
 }
 
+/* Depth of plane cloud that lets as much flux through, over that of uneven cloud: much comes through where it is thin
+ * (Cahalan et al. 1994: 0.7 of stratocumulus). Sheets are plane. Fitted to what the reference's ground gets. */
+#define VELUM_LEAKY_DEPTH 0.788f
+VELUM_FN float velum_leaky_depth(int slot, float kind) {
+    float uneven = 1.0f;
+    if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
+        uneven = kind;
+    } else if (slot == VELUM_SLOT_MIDDLE) {
+        uneven = VELUM_MAX(2.0f * kind - 1.0f, 0.0f);
+    } else if (slot == VELUM_SLOT_HIGH) {
+        uneven = VELUM_MIN(2.0f * kind, 1.0f);
+    } else if (slot >= VELUM_SLOT_UNIFORM) {
+        uneven = 0.0f;
+    }
+    return velum_mix(1.0f, VELUM_LEAKY_DEPTH, uneven);
+}
+
 /* Share of lines of sight that meet none of the clouds that cover `coverage` of a level plane: a slant line meets more,
  * by how far it goes sideways in the layer (Kauth & Penquite 1967). */
 VELUM_FN float velum_free_lines(float coverage, float down, float aside_m, float cloud_m) {
@@ -25,16 +42,16 @@ VELUM_FN float velum_free_lines(float coverage, float down, float aside_m, float
 }
 
 /* Of what clouds turn back, by the gaps between them. Fitted to the reference, to haze under broken cloud. */
-#define VELUM_ASIDE_SHARE 0.6f
+#define VELUM_ASIDE_SHARE 0.641f
 /* A sun whose cosine is less meets the sides of clouds, and the sky is bright where they stand closest. */
 #define VELUM_ASIDE_LOW 0.3f
 VELUM_FN float velum_aside_of(float mu_sun) {
     return VELUM_MIN(VELUM_MAX(mu_sun, 0.0f) * (1.0f / VELUM_ASIDE_LOW), 1.0f);
 }
 
-/* Of what a sun on the horizon sends into the sides of clouds, over the sky that they leave. Fitted to the reference, to
- * cumulus, stratocumulus and altocumulus at dusk. */
-#define VELUM_SIDES_SHARE 0.42f
+/* Of what a sun on the horizon sends into the sides of clouds, over the sky that they leave. Fitted to the reference,
+ * to cumulus, stratocumulus and altocumulus at dusk. */
+#define VELUM_SIDES_SHARE 0.425f
 
 VELUM_STRUCT(velum_layer_light) {
     float open;    /* share of the sun's beam that passes the layer above a height, or nearly keeps its way in it */
@@ -44,8 +61,8 @@ VELUM_STRUCT(velum_layer_light) {
 };
 
 /* `seen_m`: so far along the way the cloud is known, and none of it counts; 0: nothing is known. */
-VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float height_m, float mu_sun, float seen_m,
-                                                float cloud_m) {
+VELUM_FN velum_layer_light velum_layer_light_at(int slot, velum_slot_fields f, float height_m, float mu_sun,
+                                                float seen_m, float cloud_m) {
     velum_layer_light light;
     float over_m = VELUM_MAX(f.top_m - VELUM_MAX(height_m, f.base_m), 0.0f);
     float way_m = over_m / VELUM_MAX(mu_sun, 0.02f);
@@ -55,7 +72,8 @@ VELUM_FN velum_layer_light velum_layer_light_at(velum_slot_fields f, float heigh
     float unmet = velum_free_lines(f.coverage, down, aside_m, cloud_m);
     float straight = VELUM_EXP(-VELUM_TURNING_SHARE * depth / VELUM_MAX(mu_sun, 0.02f));
     light.open = unmet + (1.0f - unmet) * straight;
-    light.through = (1.0f - unmet) * VELUM_MAX(velum_flux_through(depth, mu_sun) - straight, 0.0f);
+    light.through = (1.0f - unmet) *
+                    VELUM_MAX(velum_flux_through(velum_leaky_depth(slot, f.kind) * depth, mu_sun) - straight, 0.0f);
     float rest = VELUM_MAX(1.0f - light.open - light.through, 0.0f);
     float high = velum_aside_of(mu_sun);
     float low = mu_sun > 0.0f ? 1.0f - high : 0.0f;
