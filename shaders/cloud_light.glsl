@@ -305,13 +305,13 @@ const float onward = 0.104;
 const float sheet_faces = 0.6, sheet_up = 4.0, sheet_down = 8.0;
 const float faces_shadow = 0.2; /* cosine of the sun's zenith angle below which they do */
 const float closed_from = 0.15, closed_at = 0.5; /* of velum_profile.close: nothing of a closed sheet, all of one */
-const float flank_share = 0.0892; /* of the noise's period: from hem to heart of what light crosses */
+const float flank_share = 0.0905; /* of the noise's period: from hem to heart of what light crosses */
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
-const float flank_lumps = 0.41;
+const float flank_lumps = 0.4;
 const float onset = 0.0481; /* of light that has turned, by the depth of all of the cloud */
 /* What keeps near the forward peak, wider by each order and so by the depth (Riley et al. 2004): its share, of which the
  * depth takes away, and its mean cosine, which falls. Of ice, whose peak is narrow, on the mean. */
-const float widened_share = 0.715, widened_loss = 0.0854, widened_g = 0.749, widened_fade = 0.0946;
+const float widened_share = 0.69, widened_loss = 0.0854, widened_g = 0.749, widened_fade = 0.0946;
 const float ice_share = 0.63, ice_loss = 0.0927, ice_g = 0.55;
 
 struct ways_out {
