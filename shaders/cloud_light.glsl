@@ -290,7 +290,7 @@ struct storm_look {
 /* One that stands alone, or covers all the sky, and one in a field of anvils, as far as velum_profile.damp goes. Fitted to
  * the scene `thunderstorm`, and to references of cumulonimbus. */
 const storm_look storm_alone = storm_look(0.91, 0.26, 0.80, 0.58, 1.29, 0.0);
-const storm_look storm_in_field = storm_look(0.41, 0.91, 0.61, 0.02, 0.23, 0.42);
+const storm_look storm_in_field = storm_look(0.41, 0.91, 0.45, 0.37, 0.23, 0.42);
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
