@@ -279,6 +279,7 @@ const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
 const float field_share = 2.12;
+/* How a storm is lit. */
 struct storm_look {
     float walls;  /* light of walls, which is the most that storms have */
     float beside; /* what flanks see of them */
@@ -309,10 +310,14 @@ const float flank_share = 0.0905; /* of the noise's period: from hem to heart of
 /* Of the lumps, in the shape whose flank is looked for: crests stand before it, in the light, crevices lie behind. */
 const float flank_lumps = 0.4;
 const float onset = 0.0481; /* of light that has turned, by the depth of all of the cloud */
-/* What keeps near the forward peak, wider by each order and so by the depth (Riley et al. 2004): its share, of which the
- * depth takes away, and its mean cosine, which falls. Of ice, whose peak is narrow, on the mean. */
-const float widened_share = 0.69, widened_loss = 0.0854, widened_g = 0.749, widened_fade = 0.0946;
-const float ice_share = 0.63, ice_loss = 0.0927, ice_g = 0.55;
+/* What keeps near the forward peak, wider by each order and so by the depth (Riley et al. 2004). Of ice, whose peak is
+ * narrow, on the mean. */
+struct widened_peak {
+    float share, loss; /* ... of which the depth takes away */
+    float g, fade;     /* mean cosine, and how it falls with the depth */
+};
+const widened_peak water_widened = widened_peak(0.69, 0.0854, 0.749, 0.0946);
+const widened_peak ice_widened = widened_peak(0.63, 0.0927, 0.55, 0.0);
 
 struct ways_out {
     float up, down, flank; /* optical depths */
@@ -387,6 +392,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float down = 1.0 / (1.0 + turns * ways.down);
     float flank = 1.0 / (1.0 + turns * ways.flank);
     bool heaps = !storm && !is_fringe(hit);
+    bool towers = storm && !is_fringe(hit);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
     float lit = 1.0 / (1.0 + lit_depth * turns * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
@@ -396,9 +402,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
 
     bool ice = hit.slot == VELUM_SLOT_HIGH;
     float first = (ice ? phases.ice : phases.water) * exp(-depth);
-    float kept = ice ? ice_share * exp(-ice_loss * depth) : widened_share * exp(-widened_loss * depth);
-    float kept_g = ice ? ice_g : widened_g * exp(-widened_fade * depth);
-    float widened = kept * velum_phase_hg(phases.cos_sun, kept_g) * (1.0 - exp(-0.25 * whole));
+    widened_peak peak = water_widened;
+    if (ice) {
+        peak = ice_widened;
+    }
+    float peak_phase = velum_phase_hg(phases.cos_sun, peak.g * exp(-peak.fade * depth));
+    float widened = peak.share * exp(-peak.loss * depth) * peak_phase * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
     storm_look look = storm_look_of(hit.profile.damp);
     float wall = storm ? look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
@@ -411,7 +420,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
         deep = deep_under(clamp(face + near_face * near, 0.0, 1.0));
-    } else if (storm && !is_fringe(hit)) {
+    } else if (towers) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
@@ -439,7 +448,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 open = 0.5 * (above + below) + field;
     above += field;
     vec3 beside = open + walls * (storm ? look.walls : wall_share) * even * sun;
-    down *= storm && !is_fringe(hit) ? look.base : below_share;
+    down *= towers ? look.base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }
