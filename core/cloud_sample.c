@@ -77,7 +77,7 @@ static void foot_of(const float point_m[3], const float normal[3], float height_
 /* Rank of the column over a foot, at a height, where columns lean. */
 static float rank_at(const core_cloud_noise *cloud, const velum_slot_fields *f, const float foot_m[3],
                      const float normal[3], float height_m) {
-    const velum_noise_point p = velum_lean(cloud->slot, *f, height_m, normal[0], normal[1]);
+    const velum_noise_point p = velum_lean(cloud->slot, *f, height_m, normal[0], normal[1], normal[2]);
     return rank_of(cloud, f, foot_m, p);
 }
 

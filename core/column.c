@@ -164,11 +164,14 @@ static double smooth(double low, double high, double x) {
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* What is left at the very edge: of a sheet's thickness, and of a storm's. */
+/* What is left at the very edge of a sheet's thickness; and of what a storm's anvil has over its base. */
 #define EDGE_THICKNESS_M 200.0f
-#define EDGE_STORM_SHARE 0.15f
-/* Storms sink below this fullness: it is less, too, where one of 0.3 of coverage gives way to one of all. */
+#define EDGE_STORM_SHARE 0.9f
+/* Below this fullness storms end (it is less, too, where one of 0.3 of coverage gives way to one of all): towers down
+ * to EDGE_TOWER_FULL, anvils, which cover as much as ever, to EDGE_ANVIL_FULL. */
 #define EDGE_STORM_FULL 0.7f
+#define EDGE_TOWER_FULL 0.35f
+#define EDGE_ANVIL_FULL 0.4f
 /* Sheets thin out towards it by a power of fullness, between these two. */
 #define EDGE_FULL 0.9f
 #define EDGE_LEAST_FULL 0.1f
@@ -179,35 +182,43 @@ float core_blend_fullness(const float *field) {
     return field[CORE_FIELD_FULL] > c * c ? c * c / field[CORE_FIELD_FULL] : 1.0f;
 }
 
-static float fullness_of(uint32_t slot, const float *field) {
-    float full = core_blend_fullness(field);
-    return slot == VELUM_SLOT_STORM ? fminf(full / EDGE_STORM_FULL, 1.0f) : full;
+/* Of a storm, how much of it has towers. */
+static float tower_share(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    return velum_clamp((full - EDGE_TOWER_FULL) / (EDGE_STORM_FULL - EDGE_TOWER_FULL), 0.0f, 1.0f);
 }
 
-/* Of what only storms lose towards their edge. */
-static float storm_share(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? fullness_of(slot, field) : 1.0f;
-    return full * full;
+float core_blend_coverage(uint32_t slot, const float *field) {
+    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    return field[CORE_FIELD_COVERAGE] * EDGE_STORM_FULL / velum_clamp(full, EDGE_ANVIL_FULL, EDGE_STORM_FULL);
 }
 
 float core_blend_top(uint32_t slot, const float *field) {
-    float full = fullness_of(slot, field);
+    float full = core_blend_fullness(field);
     if (slot >= VELUM_SLOT_UNIFORM || full > 1.0f - 1e-5f) {
         return field[CORE_FIELD_TOP];
     }
     float thickness = field[CORE_FIELD_TOP] - field[CORE_FIELD_BASE];
-    float edge = slot == VELUM_SLOT_STORM ? EDGE_STORM_SHARE * thickness
-                                          : fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
+    if (slot == VELUM_SLOT_STORM) {
+        float anvil = fminf(full / EDGE_ANVIL_FULL, 1.0f);
+        return field[CORE_FIELD_BASE] + thickness * velum_mix(EDGE_STORM_SHARE, 1.0f, anvil);
+    }
+    float edge = fminf(thickness, EDGE_THICKNESS_M * field[CORE_FIELD_COVERAGE]);
     return field[CORE_FIELD_BASE] + edge + (thickness - edge) * full * full;
 }
 
 float core_blend_kind(uint32_t slot, const float *field) {
-    return field[CORE_FIELD_KIND] * storm_share(slot, field);
+    return field[CORE_FIELD_KIND] * tower_share(slot, field);
+}
+
+float core_blend_scud(uint32_t slot, const float *field) {
+    return field[CORE_FIELD_SCUD] * tower_share(slot, field);
 }
 
 /* The fourth root of the rate: it rains from the heart. */
 float core_blend_fall(uint32_t slot, const float *field) {
-    return field[CORE_FIELD_FALL] * storm_share(slot, field);
+    float towers = tower_share(slot, field);
+    return field[CORE_FIELD_FALL] * towers * towers;
 }
 
 /* Of sheets and veils; heaps, cells, rolls and grains stay as dense as they are. */
@@ -406,7 +417,7 @@ static void set_layers(const core_state *state, const double normal[3], const co
         set_tangent(normal, &f[CORE_FIELD_WIND_X], scale, wind);
         out->mask |= 1u << slot;
         out->slot[slot] = (velum_slot_fields){
-            .coverage = fminf(f[CORE_FIELD_COVERAGE], 1.0f),
+            .coverage = fminf(core_blend_coverage(slot, f), 1.0f),
             .base_m = f[CORE_FIELD_BASE] * scale + state->undulation_m,
             .top_m = core_blend_top(slot, f) * scale + state->undulation_m,
             .extinction_1_m = expf(core_blend_log_extinction(slot, f) * scale),

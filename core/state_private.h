@@ -61,11 +61,14 @@ void core_blend_region(const core_cell *cell, const double normal[3], double lat
 
 /* How full a slot is, 0..1: its coverage over that of the cells that made it. Below 1 where a sheet ends or gives way
  * to less cloud. There it thins out instead of breaking into columns as tall as it is: its top, times coverage, MSL;
- * and the logarithm of its extinction. Storms sink, have no anvils and rain less. */
+ * and the logarithm of its extinction. Storms end in anvils, which cover as much as ever, with fewer towers, less scud
+ * and less rain. */
 float core_blend_fullness(const float *field);
+float core_blend_coverage(uint32_t slot, const float *field);
 float core_blend_top(uint32_t slot, const float *field);
 float core_blend_log_extinction(uint32_t slot, const float *field);
 float core_blend_kind(uint32_t slot, const float *field);
+float core_blend_scud(uint32_t slot, const float *field);
 float core_blend_fall(uint32_t slot, const float *field);
 
 /* Over the last degree before a pole the wind of global cells fades out. */

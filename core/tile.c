@@ -79,7 +79,7 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
     float up = wind[0] * (float)normal[0] + wind[1] * (float)normal[1] + wind[2] * (float)normal[2];
     float log2_extinction = core_blend_log_extinction(slot, field) * scale * 1.4426950408889634f;
     texel out;
-    out.value[TEXEL_COVERAGE] = unorm(velum_clamp(field[CORE_FIELD_COVERAGE], 0.0f, 1.0f));
+    out.value[TEXEL_COVERAGE] = unorm(velum_clamp(core_blend_coverage(slot, field), 0.0f, 1.0f));
     out.value[TEXEL_BASE] = unorm(velum_texel_from_height(field[CORE_FIELD_BASE] * scale + undulation_m));
     out.value[TEXEL_TOP] = unorm(velum_texel_from_height(core_blend_top(slot, field) * scale + undulation_m));
     out.value[TEXEL_EXTINCTION] = unorm(velum_clamp(
@@ -89,7 +89,7 @@ static texel make_texel(uint32_t slot, const float *field, const double normal[3
     }
     out.value[TEXEL_KIND] = unorm(velum_clamp(core_blend_kind(slot, field) * scale, 0.0f, 1.0f));
     float fall = field[CORE_FIELD_FALL];
-    out.value[TEXEL_SCUD] = unorm(velum_clamp(field[CORE_FIELD_SCUD] * scale, 0.0f, 1.0f));
+    out.value[TEXEL_SCUD] = unorm(velum_clamp(core_blend_scud(slot, field) * scale, 0.0f, 1.0f));
     out.value[TEXEL_TRANSITION] =
         unorm(velum_clamp(field[CORE_FIELD_TRANSITION] * scale / VELUM_TEXEL_TRANSITION_RANGE_M, 0.0f, 1.0f));
     out.value[TEXEL_FALL] =

@@ -55,24 +55,19 @@ static slopes slopes_of(const core_tile_slot *from, float texel_m) {
     return (slopes){sqrtf(wind) * scale, coverage * scale, 2.0f * height * scale, kind * scale};
 }
 
-/* Of the thickest layer that there can be: how far the wind carries an anvil. */
-#define ANVIL_MOST_M (VELUM_ANVIL_LAG_MOST * 25500.0f)
-
 /* Metres of noise over a metre along the layer by which columns lean more or less: see velum_lean. */
 static float lean_change(uint32_t slot, slopes change) {
     switch (slot) {
     case VELUM_SLOT_HIGH:
         return velum_noise_of((int)slot).stretch *
                (2.0f * VELUM_TRAIL_M * change.kind_1_m + 3.0f * VELUM_TRAIL_MOST * change.height);
-    case VELUM_SLOT_STORM:
-        return VELUM_ANVIL_LAG_S * change.wind_1_s + ANVIL_MOST_M * change.kind_1_m +
-               3.0f * VELUM_ANVIL_LAG_MOST * change.height;
+    case VELUM_SLOT_STORM: return VELUM_ANVIL_LAG_S * change.wind_1_s + 3.0f * VELUM_ANVIL_LAG_MOST * change.height;
     default: return 0.0f;
     }
 }
 
-/* What a storm's anvils take from its towers is most where it covers least, and mixed states may do that in its wind.
- */
+/* What a storm's anvils and turrets take from its feet is most where it covers least, and mixed states may do that in
+ * its wind. */
 static float page_most_1_m(uint32_t slot, velum_slot_fields f, velum_profile p) {
     float most = f.extinction_1_m * p.density_scale * (1.0f + VELUM_WATER_LEAN * fmaxf(p.growth, 0.0f));
     if (slot == VELUM_SLOT_STORM) {
@@ -233,9 +228,7 @@ void core_tile_bounds(const core_tile *tile, uint32_t slot, velum_page_bounds *o
         out->shape[1] =
             change.coverage_1_m * coverage_factor(from, slot) * effective_slope(slot, dense, least, dense.coverage);
         if (slot == VELUM_SLOT_STORM) {
-            /* Between texels a storm may be as much of an anvil as there is. */
-            const velum_slot_fields anvil = {.kind = 1.0f, .top_m = 1.0f};
-            out->most[3] = velum_profile_of((int)slot, anvil).power;
+            out->shape[1] = fmaxf(out->shape[1], change.kind_1_m);
         }
         out->shape[2] = change.height;
         out->shape[3] = lean_change(slot, change);

@@ -90,7 +90,8 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0 && !fringe;
     velum_profile profile = hit.profile;
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
-    bool covered = within && e > 0.0;
+    z = clamp(z, 0.0, 1.0);
+    bool covered = within && e > velum_threshold(profile, z);
     float lump = base ? 1.0 : 0.0;
     float fine = base ? 1.0 : 0.5;
     if (covered && !base) {
@@ -99,7 +100,6 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     if (covered && !base && shows_fine(slot, distance_m)) {
         fine = fine_noise(slot, f, hit.r);
     }
-    z = clamp(z, 0.0, 1.0);
     hit.excess = e;
     hit.lump = lump;
     hit.margin = velum_margin(profile, e, z, lump, fine);

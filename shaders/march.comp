@@ -80,8 +80,8 @@ void profile_recall(inout profile_memo memo, int slot, velum_slot_fields f) {
  * wanted, and it rises by at most 1 in `rank_m`. */
 float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     float way_m = min(max(here - hit.excess, 0.0) * rank_m, most_m);
-    float then = hit.height_fraction + min(hit.rise, 0.0) * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
-    return min(here, velum_threshold_least(hit.profile, then));
+    float then = hit.height_fraction + hit.rise * way_m / max(hit.span_m.y - hit.span_m.x, 1.0);
+    return min(here, velum_threshold_between(hit.profile, min(hit.height_fraction, then), max(hit.height_fraction, then)));
 }
 
 /* Of what is left to look at in a step. Of two uniform layers in one step the nearer comes first; they come last. */

@@ -250,7 +250,7 @@ vec3 noise_place(int slot, vec3 r, vec3 lean, vec4 phase, float stretch) {
 /* Where else than over its foot the column through r, at height over the ellipsoid, along normal, has its noise; and its
  * rank. */
 vec3 column_lean(int slot, velum_slot_fields f, vec3 normal, float height_m) {
-    velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y);
+    velum_noise_point lean = velum_lean(slot, f, height_m, normal.x, normal.y, normal.z);
     return vec3(lean.x, lean.y, lean.z);
 }
 

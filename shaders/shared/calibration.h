@@ -77,11 +77,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    0.5127f, 0.8943f, -0.0424f, 0.0948f);
         t = kind;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 1.1377f, 0.5143f, -0.0350f, -0.1210f, 0.2471f, 3.3283f, -0.0332f, -0.0172f,
-                                   0.0333f, 0.9301f, -0.0134f, 0.0255f);
-        b = velum_calibration_make(10600.0f, 1.2587f, 0.5779f, -0.0317f, -0.2439f, 0.2703f, 4.3363f, -0.0730f, -1.0528f,
-                                   0.8380f, 1.0430f, -0.1507f, 0.0542f);
-        t = kind;
+        a = velum_calibration_make(10600.0f, 0.7277f, 0.8821f, -0.2865f, -0.2319f, 0.1501f, 2.9194f, -0.0355f, -0.4812f,
+                                   0.0979f, 0.9150f, 0.2980f, -0.2354f);
+        b = a;
+        t = 0.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         if (kind < 0.5f) {
             a = velum_calibration_make(2000.0f, 1.0463f, 0.7841f, -0.0031f, -0.5229f, 0.3774f, 2.0242f, -0.0491f,

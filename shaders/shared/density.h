@@ -26,7 +26,7 @@ VELUM_STRUCT(velum_profile) {
     float rim;         /* how many times softer it is where hardly anything is left: wisps rather than crumbs */
     float erosion;     /* of the boundary by fine detail, in e */
     float foot;        /* share of the carving at the base: little leaves plates, all of it ragged feet */
-    float stem;        /* of g below the anvil (VELUM_STEM_FOOT), 0: none */
+    float stem;        /* how much more g is below the anvil (VELUM_STEM_FOOT), 0: no anvil */
     float damp;        /* how much thinner than the towers the anvil is, and softer */
     float close;       /* how far overcast goes beyond covering: sheets have no holes then, nor thin places */
     float growth;      /* of extinction with height: 0 constant, 1 adiabatic, see velum_water */
@@ -54,9 +54,9 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 45000.0f;
+        n.shape_period_m = 54000.0f;
         n.lump_period_m = 9000.0f;
-        n.fine_period_m = 900.0f;
+        n.fine_period_m = 1800.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
         n.shape_period_m = 6500.0f;
         n.lump_period_m = 2100.0f;
@@ -115,9 +115,8 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of a storm: for how long the wind has carried its anvil, no farther than so many thicknesses. */
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
-/* Of velum_beside at no cover, a metre that the wind carries an anvil, 3000 m from its foot. */
-#define VELUM_ANVIL_COVER_1_M 4.84e-4f
-
+/* Of a storm's noise, how far it changes with height, m a metre: towers have turrets, not flutes. */
+#define VELUM_TURRETS 0.3f
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
     float fibrous = 1.0f - VELUM_MIN(VELUM_MAX(2.0f * kind - 1.0f, 1.0f - 2.0f * kind), 1.0f);
@@ -131,31 +130,43 @@ VELUM_FN float velum_wind_m_s(velum_slot_fields f) {
 /* How far the wind carries a storm's top beyond its foot: m over m/s, and m. */
 VELUM_FN float velum_anvil_lag_s(velum_slot_fields f) {
     float most_m = VELUM_ANVIL_LAG_MOST * VELUM_MAX(f.top_m - f.base_m, 1.0f);
-    return f.kind * VELUM_MIN(VELUM_ANVIL_LAG_S, most_m / VELUM_MAX(velum_wind_m_s(f), 1.0e-3f));
+    return VELUM_MIN(VELUM_ANVIL_LAG_S, most_m / VELUM_MAX(velum_wind_m_s(f), 1.0e-3f));
 }
 VELUM_FN float velum_anvil_m(velum_slot_fields f) {
     return velum_anvil_lag_s(f) * velum_wind_m_s(f);
 }
 
-/* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
- * is, and a little more a metre the farther they are carried; what an overcast leaves is reached by far ones only.
- * Fitted to winds of 10 to 30 m/s. */
-VELUM_FN float velum_beside(velum_slot_fields f) {
-    float c = f.coverage;
-    float over = velum_overcast(c);
-    float clear = (1.0f - c) * (1.0f + c * (1.342f * c - 1.028f)) * (1.0f - over) * (1.0f - 0.3f * over);
-    float far_m = velum_anvil_m(f);
-    float share = VELUM_MIN(far_m * (1.0f / 3000.0f), 1.5f);
-    return VELUM_ANVIL_COVER_1_M * far_m * (0.92f + 0.08f * share) * velum_mix(1.0f, share, over) * clear;
-}
-/* Its change with coverage at most, over its value at no cover: near by, as an overcast begins; and a metre farther. */
-#define VELUM_BESIDE_SLOPE 3.1f
-#define VELUM_BESIDE_1_M (1.2f * VELUM_ANVIL_COVER_1_M)
+/* Thickness of a storm, m, from which it is told how what it covers changes with that. */
+#define VELUM_STORM_THICKNESS_M 10600.0f
+/* Of velum_beside at no cover, over the square of how far the wind carries an anvil, in thicknesses of the storm or
+ * in this, m, where that is more. */
+#define VELUM_ANVIL_COVER 4.2f
+#define VELUM_ANVIL_COVER_M (0.8f * VELUM_STORM_THICKNESS_M)
 
-/* velum_profile.power of towers and of a storm with its anvil; between them it grows by equal factors, so that what it
- * bounds never changes fast. */
-#define VELUM_TOWER_POWER 1.7f
-#define VELUM_ANVIL_POWER 50.0f
+/* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
+ * is. Fitted to winds of 10 to 30 m/s. */
+VELUM_FN float velum_beside(velum_slot_fields f) {
+    float over = velum_overcast(f.coverage);
+    float clear = (1.0f - 0.7f * f.coverage) * (1.0f - 0.35f * over * over);
+    float far = velum_anvil_m(f) / VELUM_MAX(f.top_m - f.base_m, VELUM_ANVIL_COVER_M);
+    return VELUM_ANVIL_COVER * far * far * clear;
+}
+/* Its change with coverage at most, over its value at no cover; and a metre farther. */
+#define VELUM_BESIDE_SLOPE 1.35f
+#define VELUM_BESIDE_1_M (2.0f * VELUM_ANVIL_LAG_MOST * VELUM_ANVIL_COVER / VELUM_ANVIL_COVER_M)
+
+/* Turrets cover the more beside their feet the smaller and the taller those are: what is left to feet, over that at
+ * half cover. Fitted to what velum-calibrate finds from 0.04 to 0.94 of cover, 5 to 19 km deep. */
+VELUM_FN float velum_storm_feet(float coverage, float thickness_m) {
+    float octaves = VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_STORM_THICKNESS_M);
+    float power = 0.28f + 0.115f * velum_clamp(octaves, -2.0f, 1.5f);
+    float many = VELUM_MAX(coverage - 0.5f, 0.0f);
+    return VELUM_POW(2.0f * VELUM_MAX(coverage, 0.02f), power) * (1.0f + 4.3f * power * many * many);
+}
+
+/* Of velum_profile.stem: of a storm in a field of them, and towards the edge of one. */
+#define VELUM_STEM 0.15f
+#define VELUM_STEM_EDGE 1.3f
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     float kind = fields.kind;
@@ -171,14 +182,11 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                 velum_profile_make(0.85f, 2.4f, 0.65f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
         p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        /* Towers, which is all that an overcast of them is; a storm with its anvil. */
-        float t = kind * (1.0f - over);
-        p = velum_profile_blend(
-            velum_profile_make(0.85f, VELUM_TOWER_POWER, 0.50f, 0.06f, 0.25f, 0.0f, 0.0f, 0.6f, 100.0f),
-            velum_profile_make(0.80f, VELUM_ANVIL_POWER, 0.45f, 0.06f, 0.25f, 1.0f, 0.0f, 0.4f, 150.0f), t);
-        p.power = VELUM_TOWER_POWER * VELUM_POW(VELUM_ANVIL_POWER / VELUM_TOWER_POWER, t);
+        /* Towers under an anvil, which alone is left at the edge of a storm; an overcast is all towers. */
+        float stem = VELUM_STEM * (1.0f - over) + VELUM_STEM_EDGE * (1.0f - kind);
+        p = velum_profile_make(0.80f, 24.0f, 0.48f, 0.06f, 0.30f, stem, 0.0f, 0.4f, 150.0f);
         p.rim = 2.5f;
-        p.damp = 0.85f * t;
+        p.damp = 0.97f * (1.0f - over * kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
         if (kind < 0.5f) {
@@ -204,7 +212,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                     2.0f * kind - 1.0f);
         }
     }
-    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.5f : p.foot;
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.6f : p.foot;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
@@ -223,7 +231,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
     }
     if (slot == VELUM_SLOT_STORM) {
-        float feet = 1.0f / (1.0f + velum_beside(fields));
+        float feet = velum_storm_feet(fields.coverage, thickness_m) / (1.0f + velum_beside(fields));
         p.coverage_scale = p.coverage_scale * feet;
         p.density_scale = p.density_scale / feet;
     }
@@ -239,16 +247,20 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 /* Excess rank, and margin over `erosion` before fine detail carves, up to which cloud is a rim. */
 #define VELUM_RIM 0.5f
 
-/* An anvil's underside slopes up and out between these height fractions. */
-#define VELUM_ANVIL_LOW 0.80f
-#define VELUM_ANVIL_HIGH 1.0f
-#define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW)) /* at most, a unit of height fraction */
-/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: low at the rim. */
-#define VELUM_STEM_FOOT 0.05f
+/* An anvil's underside slopes up and out between these height fractions; and towers turn to ice between those. */
+#define VELUM_ANVIL_LOW 0.74f
+#define VELUM_ANVIL_HIGH 0.96f
+#define VELUM_ICE_LOW 0.70f
+#define VELUM_ICE_HIGH 0.84f
+/* Change of either over a unit of height fraction, at most: see velum_smoothstep. */
+#define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW))
+#define VELUM_ICE_SLOPE (1.5f / (VELUM_ICE_HIGH - VELUM_ICE_LOW))
+/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it. */
+#define VELUM_STEM_FOOT 0.55f
 #define VELUM_STEM_SLOPE 0.75f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
-#define VELUM_ANVIL_SOFTNESS 1.2f
+#define VELUM_ANVIL_SOFTNESS 1.0f
 #define VELUM_ANVIL_SMOOTH 0.75f
 
 VELUM_FN float velum_anvil(float z) {
@@ -257,7 +269,7 @@ VELUM_FN float velum_anvil(float z) {
 
 /* What the anvil has less of than the towers, 0..1. */
 VELUM_FN float velum_thinned(velum_profile p, float z) {
-    return p.damp > 0.0f ? p.damp * velum_anvil(z) : 0.0f;
+    return p.damp > 0.0f ? p.damp * velum_smoothstep(VELUM_ICE_LOW, VELUM_ICE_HIGH, z) : 0.0f;
 }
 
 /* Threshold of e at height fraction z is no lower. */
@@ -265,13 +277,19 @@ VELUM_FN float velum_threshold_least(velum_profile p, float z) {
     return p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
 }
 
-/* Threshold of e at height fraction z. */
-VELUM_FN float velum_threshold(velum_profile p, float z) {
-    float g = velum_threshold_least(p, z);
+/* Threshold of e is no lower anywhere between two height fractions, the lower one first. */
+VELUM_FN float velum_threshold_between(velum_profile p, float low, float high) {
+    float g = velum_threshold_least(p, low);
     if (p.stem > 0.0f) {
-        g = g + p.stem * (VELUM_STEM_FOOT + VELUM_STEM_SLOPE * z) * (1.0f - velum_anvil(z));
+        float stands = VELUM_STEM_FOOT + VELUM_STEM_SLOPE * VELUM_MAX(low, 0.0f);
+        g = g + p.stem * stands * (1.0f - velum_anvil(high));
     }
     return g;
+}
+
+/* Threshold of e at height fraction z. */
+VELUM_FN float velum_threshold(velum_profile p, float z) {
+    return velum_threshold_between(p, z, z);
 }
 
 /* Fine detail from which on nothing is carved off. */

@@ -33,8 +33,8 @@ VELUM_STRUCT(velum_fringe) {
 
 /* Extinction of 1 mm/h, 1/m, and its power of the rate: pi N0 / L^3 of exponential spectra N0 exp(-L D), L as R^-0.21
  * (efficiency 2). Showers and drizzle: Joss et al. 1968; rain: Marshall & Palmer 1948. Snow: Gunn & Marshall 1958, of
- * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: nine times the
- * rain's, and what Stallabrass (1985) measured, 10.36e-3 C^0.78 of C g/m3, falling at 1.2 m/s. */
+ * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: nine times
+ * the rain's, and what Stallabrass (1985) measured, 10.36e-3 C^0.78 of C g/m3, falling at 1.2 m/s. */
 #define VELUM_SHOWER_1_M 1.629e-4f
 #define VELUM_RAIN_1_M 3.647e-4f
 #define VELUM_DRIZZLE_1_M 5.089e-4f

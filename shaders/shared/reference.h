@@ -44,8 +44,8 @@ VELUM_FN int velum_away_level(float rank) {
 VELUM_STRUCT(velum_page_bounds) {
     VELUM_VEC4(most);   /* effective coverage; extinction, 1/m; reach, lowest; power, highest */
     VELUM_VEC4(height); /* lowest, highest base; lowest, highest top: HAE m */
-    VELUM_VEC4(shape);  /* change over a metre at most: of wind, 1/s; of effective coverage, or of coverage if that is
-                           more; of base and top together, m; of how columns lean, m of noise */
+    VELUM_VEC4(shape);  /* change over a metre at most: of wind, 1/s; of effective coverage, or of coverage or a storm's
+                           kind if that is more; of base and top together, m; of how columns lean, m of noise */
     VELUM_UVEC4(
         even); /* a bit for each part whose texels, with those next to them, are all like one; that texel; 0, 0 */
     VELUM_UVEC4(parts); /* a byte for each of VELUM_PARTS^2 parts of the page, a word for each row: effective coverage
@@ -55,11 +55,11 @@ VELUM_STRUCT(velum_page_bounds) {
 /* What else changes with coverage, where effective coverage does: so many times as fast, both. */
 #define VELUM_FADE_OTHERS 2.0f
 /* Effective coverage of a storm, over a change of its height by all of its thickness. */
-#define VELUM_FADE_BEND 0.8f
-/* Of a storm's margin, over a change of coverage with what else does (VELUM_FADE_OTHERS): as its towers turn to anvils
- * their threshold and what is carved off them change by less than 2.1; they do by the square of fullness, coverage over
- * that in the storm's middle, taken as 0.3 at least, and as an overcast opens. */
-#define VELUM_STORM_EDGE (2.1f / 0.3f)
+#define VELUM_FADE_BEND 1.5f
+/* Of a storm's margin, over a change of coverage or of kind with what else does (VELUM_FADE_OTHERS): its stem and what
+ * ice takes from what is carved off change by less than 3.8 with the one, as an overcast opens, and 1.9 with the other.
+ */
+#define VELUM_STORM_EDGE ((3.8f + 1.9f) / VELUM_FADE_OTHERS)
 
 /* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 4 at most: a byte each
  * of a word tells what is there. */

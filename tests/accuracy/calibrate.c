@@ -21,6 +21,8 @@ velum_calibration trial_calibration = {1.0f, 1.0f, 1.0f};
 #define CUT_SHARE 0.02f
 #define OVERCAST 0.993
 
+enum { KINDS = 11 };
+
 typedef struct kind_knot {
     const char *name;
     int slot;
@@ -47,6 +49,9 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
                                       .kind = of->kind};
     const velum_profile p = velum_profile_of(of->slot, fields);
     const float sky = fminf(coverage * p.coverage_scale, 1.0f);
+    /* Of softness, from where on a top is seen; of ice, which is thin, from farther in. */
+    const float thinned = velum_thinned(p, 1.0f);
+    const float seen = 0.06f / sqrtf(thinned > 0.0f ? (1.0f - thinned) * p.density_scale * velum_water(p, 1.0f) : 1.0f);
     for (uint32_t i = 0; i < COLUMNS; i++) {
         float at[3];
         for (uint32_t axis = 0; axis < 3; axis++) {
@@ -56,7 +61,7 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
         float lump = core_cloud_lump(&cloud, &fields, at);
         float carved = velum_carve(p, 1.0f, lump, core_cloud_fine(&cloud, &fields, at));
         float fine_carved = carved - velum_carve(p, 1.0f, lump, VELUM_FINE_NONE);
-        left[i] = e - carved - 0.06f * velum_softness(p, e, fine_carved, velum_thinned(p, 1.0f));
+        left[i] = e - carved - seen * velum_softness(p, e, fine_carved, thinned);
     }
     qsort(left, COLUMNS, sizeof left[0], compare);
     int cut = (int)((float)COLUMNS * CUT_SHARE * coverage / sky);
@@ -65,7 +70,7 @@ static float reach_factor(const core_noise *noise, const column_case *of, float 
 
 static bool solve(const core_noise *noise, const column_case *of, float coverage, velum_calibration *found) {
     trial_calibration = (velum_calibration){1.2f, 2.0f, 1.0f};
-    float low = 1.0f;
+    float low = 0.5f;
     float high = 5.0f;
     column_stats s;
     for (int round = 0; round < ROUNDS; round++) {
@@ -197,7 +202,7 @@ static void write_pair(FILE *file, const char *indent, const row *a, const row *
     fprintf(file, "%st = %s;\n", indent, t);
 }
 
-static void write_table(FILE *file, const row rows[12]) {
+static void write_table(FILE *file, const row rows[KINDS]) {
     fputs(head, file);
     fputs("VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float coverage, float thickness_m,\n"
           "                                                float optical_depth) {\n"
@@ -208,15 +213,16 @@ static void write_table(FILE *file, const row rows[12]) {
     fputs("    } else if (slot == VELUM_SLOT_CUMULUS) {\n", file);
     write_pair(file, "        ", &rows[2], &rows[3], "kind");
     fputs("    } else if (slot == VELUM_SLOT_STORM) {\n", file);
-    write_pair(file, "        ", &rows[4], &rows[5], "kind");
+    write_row(file, "        ", "a = ", &rows[4], ";");
+    fputs("        b = a;\n        t = 0.0f;\n", file);
     fputs("    } else if (slot == VELUM_SLOT_MIDDLE) {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[6], &rows[7], "2.0f * kind");
+    write_pair(file, "            ", &rows[5], &rows[6], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[7], &rows[8], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[6], &rows[7], "2.0f * kind - 1.0f");
     fputs("        }\n    } else {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[9], &rows[10], "2.0f * kind");
+    write_pair(file, "            ", &rows[8], &rows[9], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[10], &rows[11], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[9], &rows[10], "2.0f * kind - 1.0f");
     fputs("        }\n    }\n"
           "    return velum_calibration_mix(velum_calibration_from(a, coverage, thickness_m, optical_depth),\n"
           "                                 velum_calibration_from(b, coverage, thickness_m, optical_depth), t);\n"
@@ -225,15 +231,15 @@ static void write_table(FILE *file, const row rows[12]) {
 }
 
 /* Rows of the kinds that are named: all of them take ten minutes. */
-static bool measure_named(const core_noise *noise, const kind_knot knots[12], char **names, int count) {
+static bool measure_named(const core_noise *noise, const kind_knot knots[KINDS], char **names, int count) {
     for (int i = 0; i < count; i++) {
         int k = 0;
-        while (k < 12 && strcmp(names[i], knots[k].name) != 0) {
+        while (k < KINDS && strcmp(names[i], knots[k].name) != 0) {
             k++;
         }
         row r;
-        if (k == 12 || !measure_kind(noise, &knots[k], &r)) {
-            fprintf(stderr, "velum-calibrate: %s %s\n", names[i], k == 12 ? "is no kind" : "was not measured");
+        if (k == KINDS || !measure_kind(noise, &knots[k], &r)) {
+            fprintf(stderr, "velum-calibrate: %s %s\n", names[i], k == KINDS ? "is no kind" : "was not measured");
             return false;
         }
         write_row(stdout, "", "", &r, "");
@@ -247,15 +253,15 @@ int main(int argc, char **argv) {
                         "       velum-calibrate - KIND... (rows of it)\n");
         return 2;
     }
-    const kind_knot knots[12] = {
+    const kind_knot knots[KINDS] = {
         {"St", VELUM_SLOT_LOW, 0.0f, &column_cases[0]},      {"Sc", VELUM_SLOT_LOW, 1.0f, &column_cases[1]},
         {"Cu0", VELUM_SLOT_CUMULUS, 0.0f, &column_cases[2]}, {"Cu1", VELUM_SLOT_CUMULUS, 1.0f, &column_cases[2]},
-        {"Cb0", VELUM_SLOT_STORM, 0.0f, &column_cases[3]},   {"Cb", VELUM_SLOT_STORM, 1.0f, &column_cases[3]},
-        {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},   {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},
-        {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},   {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},
-        {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},     {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
+        {"Cb", VELUM_SLOT_STORM, 1.0f, &column_cases[3]},    {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},
+        {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},   {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},
+        {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},     {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},
+        {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
     };
-    row rows[12];
+    row rows[KINDS];
     core_noise *noise = core_noise_create();
     bool ok = noise != NULL;
     if (ok && argc > 2) {
@@ -263,7 +269,7 @@ int main(int argc, char **argv) {
         core_noise_destroy(noise);
         return ok ? 0 : 1;
     }
-    for (int k = 0; k < 12 && ok; k++) {
+    for (int k = 0; k < KINDS && ok; k++) {
         ok = measure_kind(noise, &knots[k], &rows[k]);
     }
     core_noise_destroy(noise);

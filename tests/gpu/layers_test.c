@@ -188,7 +188,7 @@ static void as_queried(void **state) {
     static const struct {
         const char *name;
         double height_m, pitch_deg, end_m;
-    } views[] = {{"from below", 300.0, 30.0, 3000.0},
+    } views[] = {{"from below", 300.0, 30.0, 3400.0},
                  {"level, low", 1300.0, 0.0, 1500.0},
                  {"level, high", 2500.0, 0.0, 1500.0},
                  {"from above", 4500.0, -35.0, 4000.0}};

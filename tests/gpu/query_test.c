@@ -381,7 +381,7 @@ static void winds_that_turn(void **state) {
     fixture_init(&f, false);
     uint64_t states[2];
     for (int i = 0; i < 2; i++) {
-        velum_layer layer = layer_of(VELUM_GENUS_CB, 0.6f, 900.0f, 11500.0f, 0.02f, 30.0f);
+        velum_layer layer = layer_of(VELUM_GENUS_CB, 0.95f, 900.0f, 11500.0f, 0.02f, 30.0f);
         layer.wind_east_m_s = i == 0 ? 20.0f : -20.0f;
         const velum_cell cell = fixture_cell(&layer, 1);
         const velum_state_desc desc = {.struct_size = sizeof desc, .cells = &cell, .cell_count = 1};

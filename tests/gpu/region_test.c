@@ -127,7 +127,7 @@ static void storms_have_all_of_their_tops(void **state) {
     (void)state;
     static const double distances_m[] = {30000.0, 45000.0};
     static const double heights_m[] = {5000.0, 7000.0, 9000.0};
-    const double half_m = 500.0;
+    const double half_m = 1500.0;
     const double transition_m = 4000.0;
     const velum_layer towers = storm();
     fixture f;

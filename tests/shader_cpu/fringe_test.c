@@ -115,7 +115,7 @@ static void drizzle_from_altostratus_is_virga_and_a_shower_is_not(void **state) 
         assert_true(now <= last && (h <= span.low) == (now == 0.0f));
         last = now;
     }
-    const velum_slot_fields cb = fields_of(0.9f, 1100.0f, 11000.0f, 0.06f, 0.0f);
+    const velum_slot_fields cb = fields_of(0.9f, 1100.0f, 11000.0f, 0.06f, VELUM_KIND_CB);
     const velum_fringe heavy = {.fall = fall_of(40.0), .fall_kind = VELUM_FALL_SHOWER};
     const velum_profile tower = velum_profile_of(VELUM_SLOT_STORM, cb);
     const float base = velum_fall_1_m(tower, cb, heavy, 1.0f, 1100.0f, 0.5f);
@@ -128,8 +128,8 @@ static void it_falls_only_from_thick_columns_and_within_its_bounds(void **state)
     static const struct {
         int slot;
         float kind;
-    } kinds[] = {{VELUM_SLOT_LOW, VELUM_KIND_ST}, {VELUM_SLOT_LOW, VELUM_KIND_SC}, {VELUM_SLOT_CUMULUS, 0.0f},
-                 {VELUM_SLOT_STORM, 0.0f},        {VELUM_SLOT_MIDDLE, 0.5f},       {VELUM_SLOT_MIDDLE, 0.0f},
+    } kinds[] = {{VELUM_SLOT_LOW, VELUM_KIND_ST},   {VELUM_SLOT_LOW, VELUM_KIND_SC}, {VELUM_SLOT_CUMULUS, 0.0f},
+                 {VELUM_SLOT_STORM, VELUM_KIND_CB}, {VELUM_SLOT_MIDDLE, 0.5f},       {VELUM_SLOT_MIDDLE, 0.0f},
                  {VELUM_SLOT_HIGH, VELUM_KIND_CI}};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         const velum_slot_fields f = fields_of(0.7f, 1500.0f, 4000.0f, 0.05f, kinds[i].kind);

@@ -132,6 +132,7 @@ static void extinction_is_only_between_base_and_top(void **state) {
     (void)state;
     velum_slot_fields f = {.coverage = 1.0f, .base_m = 1000, .top_m = 2000, .extinction_1_m = 0.04f};
     for (int slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        f.kind = slot == VELUM_SLOT_STORM ? VELUM_KIND_CB : 0.0f;
         assert_true(velum_slot_extinction(slot, f, 999.0f, 1.0f, 1.0f, 1.0f) == 0.0f);
         assert_true(velum_slot_extinction(slot, f, 2001.0f, 1.0f, 1.0f, 1.0f) == 0.0f);
         assert_true(velum_slot_extinction(slot, f, 1500.0f, 1.0f, 1.0f, 1.0f) > 0.0f);
@@ -142,6 +143,53 @@ static void extinction_is_only_between_base_and_top(void **state) {
     /* Uniform: the layer's own extinction, faces included. */
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 1000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
+}
+
+/* Under the edge of a storm's anvil nothing stands, and in its middle all of an overcast: the fewer towers the nearer
+ * the edge, at any height; an anvil is there all the same, thinner than towers. */
+static void storms_are_anvils_alone_at_their_edges(void **state) {
+    (void)state;
+    velum_slot_fields f = {.coverage = 0.7f, .base_m = 1000.0f, .top_m = 11000.0f, .extinction_1_m = 0.06f};
+    float last[64] = {0};
+    for (int k = 0; k <= 20; k++) {
+        f.kind = 0.05f * (float)k;
+        const velum_profile p = velum_profile_of(VELUM_SLOT_STORM, f);
+        for (int i = 0; i < 64; i++) {
+            const float z = ((float)i + 0.5f) / 64.0f;
+            const float now = velum_body(p, 0.8f, z, 10000.0f * z, 1.0f, 1.0f);
+            assert_true(now >= last[i] * 0.999f || z > VELUM_ICE_LOW);
+            assert_true(k > 0 || z > VELUM_ANVIL_LOW || now == 0.0f);
+            assert_true(k < 20 || now > 0.0f || z > VELUM_ANVIL_HIGH);
+            last[i] = now;
+        }
+        const float anvil = velum_body(p, 0.8f, VELUM_ICE_HIGH + 0.04f, 8800.0f, 1.0f, 1.0f);
+        assert_true(anvil > 0.0f && anvil < 0.2f * p.density_scale);
+    }
+}
+
+/* Between two height fractions the threshold is no lower than its bound, which is the threshold itself at one of them.
+ */
+static void thresholds_are_no_lower_between_two_heights(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 2000; i++) {
+        const velum_slot_fields f = {.coverage = velum_hash_unit(velum_hash_2(i, 1)),
+                                     .base_m = 1000.0f,
+                                     .top_m = 9000.0f,
+                                     .extinction_1_m = 0.05f,
+                                     .kind = velum_hash_unit(velum_hash_2(i, 2))};
+        const velum_profile p = velum_profile_of((int)(i % VELUM_SLOT_UNIFORM), f);
+        const float a = velum_hash_unit(velum_hash_2(i, 3));
+        const float b = velum_hash_unit(velum_hash_2(i, 4));
+        const float low = fminf(a, b);
+        const float high = fmaxf(a, b);
+        const float least = velum_threshold_between(p, low, high);
+        for (int k = 0; k <= 50; k++) {
+            const float z = low + (high - low) * (float)k / 50.0f;
+            assert_true(velum_threshold(p, z) >= least - 1e-6f);
+            assert_true(velum_threshold(p, z) >= velum_threshold_least(p, z));
+        }
+        assert_float_equal(velum_threshold_between(p, low, low), velum_threshold(p, low), 1e-6f);
+    }
 }
 
 /* Wisps where a column is hardly covered and where fine detail leaves crumbs, crisp hearts; ice as soft as it is thin;
@@ -188,7 +236,7 @@ static void anvils_cover_no_faster_than_their_bounds(void **state) {
     double slope = 0.0;
     double metre = 0.0;
     for (float wind_m_s = 1.0f; wind_m_s <= 120.0f; wind_m_s += 1.0f) {
-        velum_slot_fields f = {.base_m = 500.0f, .top_m = 26000.0f, .kind = 1.0f, .wind_x_m_s = wind_m_s};
+        velum_slot_fields f = {.base_m = 0.0f, .top_m = VELUM_ANVIL_COVER_M, .kind = 1.0f, .wind_x_m_s = wind_m_s};
         velum_slot_fields farther = f;
         farther.wind_x_m_s += 0.01f;
         const double none = (double)velum_beside(f);
@@ -200,7 +248,7 @@ static void anvils_cover_no_faster_than_their_bounds(void **state) {
             farther.coverage = f.coverage;
             assert_true(velum_beside(f) >= 0.0f && (double)velum_beside(f) <= none);
             slope = fmax(slope, fabs((double)velum_beside(more) - (double)velum_beside(f)) / ((double)step * none));
-            if (more_m > 0.1) {
+            if (more_m > 0.1 * 0.01 * VELUM_ANVIL_LAG_S) {
                 metre = fmax(metre, ((double)velum_beside(farther) - (double)velum_beside(f)) / more_m);
             }
         }
@@ -235,6 +283,8 @@ int main(void) {
         cmocka_unit_test(states_mix_by_their_coverage),
         cmocka_unit_test(texels_give_back_fields),
         cmocka_unit_test(extinction_is_only_between_base_and_top),
+        cmocka_unit_test(storms_are_anvils_alone_at_their_edges),
+        cmocka_unit_test(thresholds_are_no_lower_between_two_heights),
         cmocka_unit_test(rims_are_softer_than_hearts),
         cmocka_unit_test(anvils_cover_no_faster_than_their_bounds),
         cmocka_unit_test(extinction_stays_finite_and_positive),

@@ -22,7 +22,7 @@ CASE(case_density) {
     OUT_FLOAT(2, velum_threshold(profile, z));
     velum_slot_noise noise = velum_noise_of(slot);
     OUT_FLOAT(3, noise.shape_period_m + noise.lump_period_m + noise.fine_period_m + noise.stretch + noise.fine_stretch);
-    velum_noise_point lean = velum_lean(slot, f, IN_FLOAT(6), 0.6f, 0.0f);
+    velum_noise_point lean = velum_lean(slot, f, IN_FLOAT(6), 0.6f, 0.0f, 0.8f);
     OUT_FLOAT(4, lean.x);
     OUT_FLOAT(5, lean.y);
     OUT_FLOAT(6, lean.z);

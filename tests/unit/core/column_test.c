@@ -473,12 +473,11 @@ static void a_sheet_thins_out_where_it_ends(void **unused) {
     const float storm_1_m = column_at(state, 47.0, 11.0, 76.0).slot[VELUM_SLOT_STORM].extinction_1_m;
     assert_true(core_geodesic_direct(47.0, 11.0, 90.0, 26000.0, &lat, &lon));
     core_column c = column_at(state, lat, lon, 76.0);
-    assert_true(c.slot[VELUM_SLOT_STORM].coverage > 0.3f && c.slot[VELUM_SLOT_STORM].coverage < 0.6f);
-    /* Half full, of 0.7 from which on storms sink: towers are 0.15 of the storm's height and a half (5/7 squared) of
-     * the rest, and lose as much of the anvil. */
-    const float half = 25.0f / 49.0f;
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 1000.0f + 8000.0f * (0.15f + 0.85f * half), 0.5f);
-    assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, half * VELUM_KIND_CB, 1e-3f);
+    /* Half full, of 0.7 down to which storms are whole: as much of the sky is covered as there, by an anvil as high as
+     * ever, with fewer towers under it: none are left at 0.35. */
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].coverage, 0.7f * 0.9f, 1e-3f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].top_m, 9000.0f, 0.5f);
+    assert_float_equal(c.slot[VELUM_SLOT_STORM].kind, (0.5f - 0.35f) / 0.35f * VELUM_KIND_CB, 1e-3f);
     assert_float_equal(c.slot[VELUM_SLOT_STORM].extinction_1_m, storm_1_m, 1e-4f * storm_1_m);
     core_state_unref(state);
 

@@ -265,8 +265,8 @@ static void nothing_is_outside_the_bounds(void **state) {
     }
 }
 
-/* Where a storm gives way it rains from its heart alone: the fourth root of the rate goes with the square of coverage
- * over seven tenths of that in its middle. A sheet rains as hard as ever up to its edge. */
+/* Where a storm gives way it rains from its heart alone: the fourth root of the rate goes with the square of what is left
+ * of its towers. A sheet rains as hard as ever up to its edge. */
 static void storms_rain_from_their_hearts(void **state) {
     (void)state;
     static const int32_t genera[] = {VELUM_GENUS_CB, VELUM_GENUS_NS};
@@ -299,11 +299,13 @@ static void storms_rain_from_their_hearts(void **state) {
                 if (cover < 0.01f) {
                     continue;
                 }
-                const float share = slot == VELUM_SLOT_STORM ? fminf(cover / 0.7f, 1.0f) : 1.0f;
-                assert_float_equal(fall, share * share, 0.005f);
-                heart += cover > 0.999f;
-                flank += cover > 0.3f && cover < 0.69f;
-                edge += cover < 0.2f;
+                const bool storm = slot == VELUM_SLOT_STORM;
+                const float towers = core_tile_sample(tile, slot, at, row).kind;
+                assert_float_equal(fall, storm ? towers * towers : 1.0f, 0.005f);
+                const float left = storm ? towers : cover;
+                heart += left > 0.999f;
+                flank += left > 0.3f && left < 0.69f;
+                edge += left < 0.2f;
             }
             core_tile_unref(tile);
         }

@@ -57,8 +57,8 @@ static void lean(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     velum_slot_fields b = core_tile_sample(tile, slot, u + 0.002f, v);
     if (a.coverage > 0.0f && b.coverage > 0.0f) {
         const float height_m = a.base_m + unit(random) * (a.top_m - a.base_m);
-        velum_noise_point p = velum_lean((int)slot, a, height_m, 0.0f, 0.6f);
-        velum_noise_point q = velum_lean((int)slot, b, height_m, 0.0f, 0.6f);
+        velum_noise_point p = velum_lean((int)slot, a, height_m, 0.0f, 0.6f, 0.8f);
+        velum_noise_point q = velum_lean((int)slot, b, height_m, 0.0f, 0.6f, 0.8f);
         const float moved_m = sqrtf((p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
         const float stretch = velum_noise_of((int)slot).stretch;
         assert_true(moved_m * stretch <= bounds->shape[3] * 0.002f * (float)side_m + 0.5f);
