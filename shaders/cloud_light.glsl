@@ -288,10 +288,10 @@ struct storm_look {
     float base;   /* as below_share */
     float faces;  /* how far tops are met as a deck's faces are, and not as a plane */
 };
-/* One that stands alone, or covers all the sky, and one in a field of anvils, as far as velum_profile.damp goes. Fitted to
- * the scene `thunderstorm`, and to references of cumulonimbus. */
-const storm_look storm_alone = storm_look(0.91, 0.26, 0.80, 0.58, 1.29, 0.0);
-const storm_look storm_in_field = storm_look(0.41, 0.91, 0.45, 0.37, 0.23, 0.42);
+/* All towers, as the middle of one that covers all is, and one under an anvil, as far as velum_profile.damp goes. Fitted
+ * to references of cumulonimbus and, by hand, to the scene `thunderstorm`. */
+const storm_look storm_alone = storm_look(1.0, 0.5, 0.9, 0.58, 1.29, 0.0);
+const storm_look storm_in_field = storm_look(0.65, 0.91, 0.6, 0.37, 0.23, 0.42);
 const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
@@ -324,6 +324,12 @@ struct ways_out {
     float reach;           /* height fraction at which the column ends */
 };
 
+/* Of a column's optical depth what lies below a height fraction. Ice has less: towers count as far as half way to it. */
+float depth_below(velum_profile p, float z) {
+    float towers = velum_water_below(p, min(z, 0.5 * (VELUM_ICE_LOW + VELUM_ICE_HIGH)));
+    return mix(velum_water_below(p, z), towers, p.damp);
+}
+
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
     /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
@@ -331,11 +337,11 @@ ways_out ways_out_of(cloud_hit hit) {
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
-    float water_below = velum_water_below(hit.profile, z);
+    float below = depth_below(hit.profile, z);
     ways_out ways;
     ways.reach = reach;
-    ways.up = inner * thickness * max(velum_water_below(hit.profile, max(reach, 0.1)) - water_below, 0.0);
-    ways.down = inner * thickness * water_below;
+    ways.up = inner * thickness * max(depth_below(hit.profile, max(reach, 0.1)) - below, 0.0);
+    ways.down = inner * thickness * below;
     float margin = velum_margin(hit.profile, hit.excess, hit.height_fraction, flank_lumps * hit.lump, 0.5);
     ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;

@@ -117,6 +117,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 #define VELUM_ANVIL_LAG_MOST 0.3f
 /* Of a storm's noise, how far it changes with height, m a metre: towers have turrets, not flutes. */
 #define VELUM_TURRETS 0.3f
+
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
     float fibrous = 1.0f - VELUM_MIN(VELUM_MAX(2.0f * kind - 1.0f, 1.0f - 2.0f * kind), 1.0f);

@@ -224,7 +224,7 @@ VELUM_FN float velum_band_1_m(velum_profile p, velum_slot_fields f, velum_fringe
     left = outside_m > 0.0f ? left : 1.0f;
     float join_m = VELUM_MIN(VELUM_BAND_JOIN * thickness_m, VELUM_BAND_JOIN_MOST_M);
     float joined = 1.0f - velum_smoothstep(0.0f, join_m, -outside_m);
-    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e);
+    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e - p.stem * VELUM_STEM_FOOT);
     under = height_m - top_m > f.base_m - height_m ? under * VELUM_MIN(2.0f * p.close, 1.0f) : under;
     return g.transition_m > 0.0f ? VELUM_BAND_SHARE * f.extinction_1_m * left * left * joined * under : 0.0f;
 }

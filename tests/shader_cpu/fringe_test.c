@@ -2,6 +2,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -158,6 +159,21 @@ static void it_falls_only_from_thick_columns_and_within_its_bounds(void **state)
     }
 }
 
+/* No band lies at the base of what stands on none: under the edge of an anvil. */
+static void bands_lie_under_towers(void **state) {
+    (void)state;
+    const velum_fringe g = {.transition_m = 600.0f};
+    for (int k = 0; k <= 20; k++) {
+        const velum_slot_fields f = fields_of(0.6f, 1000.0f, 11000.0f, 0.06f, 0.05f * (float)k);
+        const velum_profile p = velum_profile_of(VELUM_SLOT_STORM, f);
+        for (int i = 0; i <= 20; i++) {
+            const float e = 0.05f * (float)i;
+            const bool stands = e > velum_threshold(p, 0.0f) + 1e-6f;
+            assert_true((velum_band_1_m(p, f, g, e, 900.0f) > 0.0f) == stands);
+        }
+    }
+}
+
 static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state) {
     (void)state;
     const velum_slot_fields f = fields_of(1.0f, 900.0f, 1800.0f, 0.06f, VELUM_KIND_SC);
@@ -230,6 +246,7 @@ int main(void) {
         cmocka_unit_test(what_is_left_is_what_has_not_evaporated),
         cmocka_unit_test(drizzle_from_altostratus_is_virga_and_a_shower_is_not),
         cmocka_unit_test(it_falls_only_from_thick_columns_and_within_its_bounds),
+        cmocka_unit_test(bands_lie_under_towers),
         cmocka_unit_test(scud_grows_with_what_is_asked_for_and_is_none_for_none),
         cmocka_unit_test(nothing_of_it_has_an_edge),
         cmocka_unit_test(states_mix_by_coverage),

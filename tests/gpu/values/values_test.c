@@ -271,7 +271,7 @@ static double density_scale(const uint32_t *in, const uint32_t *out, uint32_t n)
 
 static void extinction_agrees(void **state) {
     (void)state;
-    static const bound bounds[] = {{"extinction", 3e-4, 0}, {"excess", 2e-6, 0}, {"threshold", 1e-5, 0},
+    static const bound bounds[] = {{"extinction", 3e-4, 0}, {"excess", 2e-6, 0},    {"threshold", 1e-5, 0},
                                    {"periods", 0, 0},       {"lean x", 0.02, 1e-6}, {"lean y", 0.02, 1e-6},
                                    {"lean z", 0.02, 1e-6}};
     check(&(value_case){density_spirv, sizeof density_spirv, CASE_DENSITY_IN, CASE_DENSITY_OUT, fill_density,

@@ -265,8 +265,8 @@ static void nothing_is_outside_the_bounds(void **state) {
     }
 }
 
-/* Where a storm gives way it rains from its heart alone: the fourth root of the rate goes with the square of what is left
- * of its towers. A sheet rains as hard as ever up to its edge. */
+/* Where a storm gives way it rains from its heart alone: the fourth root of the rate goes with the square of what is
+ * left of its towers. A sheet rains as hard as ever up to its edge. */
 static void storms_rain_from_their_hearts(void **state) {
     (void)state;
     static const int32_t genera[] = {VELUM_GENUS_CB, VELUM_GENUS_NS};
