@@ -182,14 +182,19 @@ float core_blend_fullness(const float *field) {
     return field[CORE_FIELD_FULL] > c * c ? c * c / field[CORE_FIELD_FULL] : 1.0f;
 }
 
+/* Others end as sheets do, or not at all. */
+static float storm_fullness(uint32_t slot, const float *field) {
+    return slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+}
+
 /* Of a storm, how much of it has towers. */
 static float tower_share(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    float full = storm_fullness(slot, field);
     return velum_clamp((full - EDGE_TOWER_FULL) / (EDGE_STORM_FULL - EDGE_TOWER_FULL), 0.0f, 1.0f);
 }
 
 float core_blend_coverage(uint32_t slot, const float *field) {
-    float full = slot == VELUM_SLOT_STORM ? core_blend_fullness(field) : 1.0f;
+    float full = storm_fullness(slot, field);
     return field[CORE_FIELD_COVERAGE] * EDGE_STORM_FULL / velum_clamp(full, EDGE_ANVIL_FULL, EDGE_STORM_FULL);
 }
 

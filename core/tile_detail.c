@@ -48,15 +48,6 @@ bool core_cell_touches(const core_cell *cell, const core_tile_cap *cap) {
     return cell->fields.flags & VELUM_CELL_HAS_LAYERS && cap_distance_m(cell, cap) <= 0.0;
 }
 
-/* Storms end in less than half of a transition (core_blend_coverage). */
-static double texels_of_transition(const core_cell *cell) {
-    double texels = 4.0;
-    for (uint32_t i = 0; i < cell->slot_count; i++) {
-        texels = cell->slots[i].slot == VELUM_SLOT_STORM ? 8.0 : texels;
-    }
-    return texels;
-}
-
 /* The texel that a station or region asks for over the cap. */
 static double cell_texel_m(const core_cell *cell, const core_tile_cap *cap, double lat_deg, double lon_deg) {
     double reach_m = CLEAR_TEXELS * core_tile_texel_m(VELUM_TILE_DATA_LEVEL_MIN) + cap->radius_m;
@@ -68,7 +59,8 @@ static double cell_texel_m(const core_cell *cell, const core_tile_cap *cap, doub
     } else {
         double distance_m =
             core_cell_region_distance_m(cell, cap->normal, lat_deg, lon_deg, reach_m + cell->transition_m);
-        own_m = cell->transition_m / texels_of_transition(cell);
+        /* Storms end in less than half of it (core_blend_coverage). */
+        own_m = cell->transition_m / (cell->fields.slot_mask & (1u << VELUM_SLOT_STORM) ? 8.0 : 4.0);
         gap_m = distance_m < 0.0 ? -distance_m : distance_m - cell->transition_m;
     }
     return fmax(own_m, (gap_m * 0.99 - cap->radius_m) / CLEAR_TEXELS);

@@ -45,14 +45,14 @@ VELUM_STRUCT(velum_eye_block) {
     VELUM_VEC4(scaled);   /* velum_eye_geometry: unit scaled position; |s| m */
     VELUM_VEC4(position); /* ECEF m; |s|^2 - a^2 m2 */
     VELUM_VEC4(up);       /* geodetic normal; height HAE m */
-    VELUM_UVEC4(table);   /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; of
-                             their fringes   (VELUM_PART_*) */
-    VELUM_VEC4(weather);  /* detail of tiles; blend of states 0..1; displacement times tau 0, tau 1 of drift, s */
-    VELUM_VEC4(drift);    /* weight of drift phase 1, 0..1; fog extinction at the surface 1/m; fog top HAE m; haze
-                             extinction 1/m that visibility at the surface adds to clean air (0: none) */
-    VELUM_VEC4(sun);      /* unit, ECEF, towards; cosine of the angular radius */
-    VELUM_VEC4(sun_lx);   /* at the top of the atmosphere; angular radius rad */
-    VELUM_VEC4(ground);   /* albedo; 1: air, 0: none */
+    VELUM_UVEC4(table); /* words before the eye's table in the table buffer; entries - 1; mask of slots with cloud; of their fringes
+                           (VELUM_PART_*) */
+    VELUM_VEC4(weather); /* detail of tiles; blend of states 0..1; displacement times tau 0, tau 1 of drift, s */
+    VELUM_VEC4(drift);   /* weight of drift phase 1, 0..1; fog extinction at the surface 1/m; fog top HAE m; haze
+                            extinction 1/m that visibility at the surface adds to clean air (0: none) */
+    VELUM_VEC4(sun);     /* unit, ECEF, towards; cosine of the angular radius */
+    VELUM_VEC4(sun_lx);  /* at the top of the atmosphere; angular radius rad */
+    VELUM_VEC4(ground);  /* albedo; 1: air, 0: none */
     VELUM_VEC4(span); /* lowest base, highest top HAE m over all slots; surface elevation HAE m; greatest distance m */
     VELUM_VEC4S(shades, VELUM_SHADE_LEVELS); /* velum_shade: mean light of clouds over the eye's place, by height */
     velum_slot_block slots[VELUM_SLOT_COUNT];
@@ -67,7 +67,7 @@ VELUM_STRUCT(velum_eye_block) {
 #define VELUM_VIEW_BLOCK_DEPTH 16u /* a depth image is bound */
 #define VELUM_VIEW_BLOCK_SETTLE                                                                                        \
     32u /* what history holds is shown until a pixel has a ray of its own, and then forgotten */
-#define VELUM_VIEW_BLOCK_ASIDE 64u  /* rays begin far from the eye, whose sky tells nothing of the air before them */
+#define VELUM_VIEW_BLOCK_ASIDE 64u /* rays begin far from the eye, whose sky tells nothing of the air before them */
 #define VELUM_VIEW_BLOCK_FINER 128u /* some blocks have four rays: finer.comp */
 
 /* A view in a frame. Offsets are from the eye of this frame, m. */
@@ -80,18 +80,19 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_VEC4(before_up);
     VELUM_VEC4(before_forward);
     VELUM_VEC4(before_offset);
-    VELUM_VEC4(scale);       /* luminance scale; jitter x, y in pixels; samples that history counts for at most */
+    VELUM_VEC4(
+        scale); /* luminance scale; jitter x, y in pixels; samples that history counts for at most */
     VELUM_VEC4(depth);       /* convention, near m, far m; greatest number that the images can hold */
     VELUM_UVEC4(size);       /* width, height, x, y of the sub-rectangle */
     VELUM_UVEC4(march_size); /* width, height of the march images; rays' block width (1 to 8); frames since reset */
     VELUM_UVEC4(frame);      /* pixel of the block this frame (its index); VELUM_VIEW_BLOCK_*; array layer; seed */
-    VELUM_VEC4(march);  /* step m (the first few are shorter), growth, distance m, sample offset 0..1 of this frame */
-    VELUM_UVEC4(steps); /* along the ray at most, towards the sun, octaves; rays' block height */
-    /* Pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; frames in which a calm tile
-     * has rays once, 0: all tiles have rays. */
+    VELUM_VEC4(march);       /* step m (the first few are shorter), growth, distance m, sample offset 0..1 of this frame */
+    VELUM_UVEC4(steps);      /* along the ray at most, towards the sun, octaves; rays' block height */
+    /* Pixel of a block that has the ray: x, y; 1: x alternates from row to row of blocks; frames in which a calm tile has
+     * rays once, 0: all tiles have rays. */
     VELUM_UVEC4(turn);
-    VELUM_VEC4(room);          /* width, height of the march images; of history */
-    VELUM_UVEC4(study);        /* velum_plan: flags, integrator, scattering, sun_depth */
+    VELUM_VEC4(room);        /* width, height of the march images; of history */
+    VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
     VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0; 0 */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
     /* How far cloud at the levels of shade.h over the eye has drifted since the time that history shows, m. */
@@ -135,7 +136,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_SHADOW_BLOCK                                                                                        \
     13 /* uniform velum_shadow_block (engine.h), origin relative to the eye in axis rows' dot */
 #define VELUM_BIND_SCATTERING 14 /* sampler3D: shared/scattering.h, RGBA16F */
-#define VELUM_BIND_SPANS 15      /* storage, words: VELUM_SPAN_WORDS of each page */
+#define VELUM_BIND_SPANS 15 /* storage, words: VELUM_SPAN_WORDS of each page */
 #define VELUM_BIND_COUNT 16
 
 /* Set 1: the view. */
@@ -146,7 +147,7 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_MARCH_DISTANCE_IN 4
 #define VELUM_BIND_HISTORY_IN 5      /* sampler2D RGBA16F: luminance, T of cloud */
 #define VELUM_BIND_HISTORY_DATA_IN 6 /* sampler2D RG16F: distance / 100 m, number of samples */
-#define VELUM_BIND_HISTORY_OUT 7 /* storage images of the same: other ones, or the very same where history is kept */
+#define VELUM_BIND_HISTORY_OUT 7     /* storage images of the same: other ones, or the very same where history is kept */
 #define VELUM_BIND_HISTORY_DATA_OUT 8
 #define VELUM_BIND_OUT_LUMINANCE 9 /* storage images, format of the host; written without format */
 #define VELUM_BIND_OUT_TRANSMITTANCE 10
@@ -154,11 +155,9 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_DEPTH 12        /* sampler2D, or a dummy */
 #define VELUM_BIND_COUNTERS 13     /* storage: uint rays, samples, light samples, missing tiles */
 #define VELUM_BIND_REFERENCE_COUNT 14
-#define VELUM_BIND_LIT 14 /* storage: two dispatches and three counts, then places of rays that get light (lit.glsl)   \
-                           */
-#define VELUM_BIND_LIT_LIST                                                                                            \
-    15                     /* storage: uint, those of them that there are; finer blocks; rays that are due (due.glsl) */
-#define VELUM_BIND_RAYS 16 /* storage: of each ray and tile of rays, what view.glsl says */
+#define VELUM_BIND_LIT 14      /* storage: two dispatches and three counts, then places of rays that get light (lit.glsl) */
+#define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; finer blocks; rays that are due (due.glsl) */
+#define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
 #define VELUM_BIND_VIEW_COUNT 17
 
 /* Set 1 of the shadow pass. */
@@ -184,9 +183,9 @@ VELUM_STRUCT(velum_shadow_level_block) {
 /* Rays of a tile, that are left out together: one run of lanes. */
 #define VELUM_TILE_RAYS_W 4
 #define VELUM_TILE_RAYS_H 2
-/* How restless a tile is: the sum over its rays of by how much of what is seen they differ from history, and one for
- * each pixel whose history is lost, in units of one over this; the frames before count for less each time it has rays,
- * by one part in VELUM_RESTLESS_FRAMES. */
+/* How restless a tile is: the sum over its rays of by how much of what is seen they differ from history, and one for each
+ * pixel whose history is lost, in units of one over this; the frames before count for less each time it has rays, by one
+ * part in VELUM_RESTLESS_FRAMES. */
 #define VELUM_RESTLESS_UNIT 256u
 #define VELUM_RESTLESS_FRAMES 8u
 #define VELUM_RESTLESS_MOST 16384u
@@ -200,8 +199,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_LIT_DISPATCH_BYTES 16
 #define VELUM_LIT_HEAD_BYTES (3 * VELUM_LIT_DISPATCH_BYTES)
 /* Where some blocks have four rays: places of any ray then; of a group of blocks that may have them, in ninths; least
- * contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one ray with
- * four places for each block does. */
+ * contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one ray with four
+ * places for each block does. */
 #define VELUM_FINER_PLACES 2
 #define VELUM_FINER_NINTHS 2
 #define VELUM_FINER_CONTRAST 0.5f

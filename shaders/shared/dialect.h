@@ -26,8 +26,8 @@
 #include <math.h>
 #include <stdint.h>
 #define VELUM_FN static inline
-#define VELUM_STRUCT(name)                                                                                             \
-    typedef struct name name;                                                                                          \
+#define VELUM_STRUCT(name)                                                                                            \
+    typedef struct name name;                                                                                         \
     struct name
 #define VELUM_UINT uint32_t
 #define VELUM_ABS(x) fabsf(x)

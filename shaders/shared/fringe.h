@@ -33,8 +33,8 @@ VELUM_STRUCT(velum_fringe) {
 
 /* Extinction of 1 mm/h, 1/m, and its power of the rate: pi N0 / L^3 of exponential spectra N0 exp(-L D), L as R^-0.21
  * (efficiency 2). Showers and drizzle: Joss et al. 1968; rain: Marshall & Palmer 1948. Snow: Gunn & Marshall 1958, of
- * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: nine times
- * the rain's, and what Stallabrass (1985) measured, 10.36e-3 C^0.78 of C g/m3, falling at 1.2 m/s. */
+ * melted diameters, with flakes of a tenth of the density of water, whose sections are 10^(2/3) as large: nine times the
+ * rain's, and what Stallabrass (1985) measured, 10.36e-3 C^0.78 of C g/m3, falling at 1.2 m/s. */
 #define VELUM_SHOWER_1_M 1.629e-4f
 #define VELUM_RAIN_1_M 3.647e-4f
 #define VELUM_DRIZZLE_1_M 5.089e-4f
@@ -224,7 +224,7 @@ VELUM_FN float velum_band_1_m(velum_profile p, velum_slot_fields f, velum_fringe
     left = outside_m > 0.0f ? left : 1.0f;
     float join_m = VELUM_MIN(VELUM_BAND_JOIN * thickness_m, VELUM_BAND_JOIN_MOST_M);
     float joined = 1.0f - velum_smoothstep(0.0f, join_m, -outside_m);
-    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e - p.stem * VELUM_STEM_FOOT);
+    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e - velum_threshold(p, 0.0f));
     under = height_m - top_m > f.base_m - height_m ? under * VELUM_MIN(2.0f * p.close, 1.0f) : under;
     return g.transition_m > 0.0f ? VELUM_BAND_SHARE * f.extinction_1_m * left * left * joined * under : 0.0f;
 }

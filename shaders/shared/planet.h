@@ -5,7 +5,7 @@
 
 #include "dialect.h"
 
-#define VELUM_WGS84_A_M 6378137.0f /* NIMA TR8350.2 */
+#define VELUM_WGS84_A_M 6378137.0f          /* NIMA TR8350.2 */
 #define VELUM_WGS84_F 0.0033528106647474805f
 #define VELUM_WGS84_B_M 6356752.314245179f
 #define VELUM_WGS84_E2 0.006694379990141317f /* first eccentricity squared */
@@ -21,8 +21,8 @@ VELUM_STRUCT(velum_eye_geometry) {
 };
 
 VELUM_STRUCT(velum_place) {
-    float height_m;   /* HAE */
-    float nx, ny, nz; /* geodetic normal */
+    float height_m;      /* HAE */
+    float nx, ny, nz;    /* geodetic normal */
 };
 
 /* Height above the ellipsoid and geodetic normal of the point at r from the eye.
@@ -39,7 +39,8 @@ VELUM_FN velum_place velum_place_at(velum_eye_geometry eye, float rx, float ry, 
     float sin2 = sin_beta * sin_beta;
     place.height_m = over / VELUM_SQRT(1.0f - sin2 + VELUM_SCALE_Z * VELUM_SCALE_Z * sin2);
     /* tan(phi) = Z (N + h) / (p (N (1 - e2) + h)), N between a and a / (1 - f): N = a is within 1e-7 here. */
-    float stretch = (VELUM_WGS84_A_M + place.height_m) / (VELUM_WGS84_A_M * (1.0f - VELUM_WGS84_E2) + place.height_m);
+    float stretch =
+        (VELUM_WGS84_A_M + place.height_m) / (VELUM_WGS84_A_M * (1.0f - VELUM_WGS84_E2) + place.height_m);
     float x = eye.x_m + rx;
     float y = eye.y_m + ry;
     float z = (eye.z_m + rz) * stretch;

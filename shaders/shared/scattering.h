@@ -1,6 +1,6 @@
-/* Light that cloud or fog has scattered more than once, as a table over plane-parallel layers: source function
- * (radiance that a metre adds, over its extinction) at a depth below one face and above the other, by all orders but
- * the first from the sun, and by all orders from an even sky. It is made for each phase function by adding and doubling
+/* Light that cloud or fog has scattered more than once, as a table over plane-parallel layers: source function (radiance
+ * that a metre adds, over its extinction) at a depth below one face and above the other, by all orders but the first from
+ * the sun, and by all orders from an even sky. It is made for each phase function by adding and doubling
  * (core/scattering_table.h). What it holds are binary logarithms, so that thin and thick, bright and dark are
  * interpolated alike: c0 + c1 cos(phi) + c2 cos(2 phi) + c3 cos(3 phi) about the sun's azimuth; of the sun's light over
  * velum_scattering_shape, which has the forward peak that nodes are too wide for. */

@@ -5,13 +5,13 @@
 
 #include "dialect.h"
 
-#define VELUM_SLOT_LOW 0   /* St .. Sc */
-#define VELUM_SLOT_LOW_2 1 /* a second, higher one */
+#define VELUM_SLOT_LOW 0      /* St .. Sc */
+#define VELUM_SLOT_LOW_2 1    /* a second, higher one */
 #define VELUM_SLOT_CUMULUS 2
-#define VELUM_SLOT_STORM 3   /* Cb */
-#define VELUM_SLOT_MIDDLE 4  /* As .. Ns .. Ac */
-#define VELUM_SLOT_HIGH 5    /* Cs .. Ci .. Cc */
-#define VELUM_SLOT_UNIFORM 6 /* for measurements */
+#define VELUM_SLOT_STORM 3    /* Cb */
+#define VELUM_SLOT_MIDDLE 4   /* As .. Ns .. Ac */
+#define VELUM_SLOT_HIGH 5     /* Cs .. Ci .. Cc */
+#define VELUM_SLOT_UNIFORM 6  /* for measurements */
 #define VELUM_SLOT_UNIFORM_2 7
 #define VELUM_SLOT_COUNT 8
 
@@ -37,7 +37,7 @@
  * Heights HAE. Extinction is stored as its logarithm, so that it is exact to 2e-4 from 1e-7 to 10 1/m. */
 #define VELUM_TEXEL_HEIGHT_MIN_M (-1000.0f)
 #define VELUM_TEXEL_HEIGHT_RANGE_M 27000.0f
-#define VELUM_TEXEL_WIND_RANGE_M_S 128.0f           /* each component within +-this */
+#define VELUM_TEXEL_WIND_RANGE_M_S 128.0f /* each component within +-this */
 #define VELUM_TEXEL_WIND_ZERO (32768.0f / 65535.0f) /* a value that texels can hold: calm air is calm */
 #define VELUM_TEXEL_LOG2_EXTINCTION_MIN (-24.0f)
 #define VELUM_TEXEL_LOG2_EXTINCTION_RANGE 28.0f

@@ -4,21 +4,21 @@
 
 #include "dialect.h"
 
-#define VELUM_TILE_TEXELS 32 /* a side, without the apron */
+#define VELUM_TILE_TEXELS 32      /* a side, without the apron */
 #define VELUM_TILE_APRON 1
-#define VELUM_TILE_SIDE 34      /* stored texels a side */
-#define VELUM_TILE_LEVEL_MAX 12 /* texel of 76 m */
+#define VELUM_TILE_SIDE 34        /* stored texels a side */
+#define VELUM_TILE_LEVEL_MAX 12   /* texel of 76 m */
 /* Smooth weather is never held coarser than this, where a finer key is asked for. */
 #define VELUM_TILE_DATA_LEVEL_MIN 3
-#define VELUM_TILE_FACE_M 1.0e7f /* length of a face's side, nominal */
+#define VELUM_TILE_FACE_M 1.0e7f  /* length of a face's side, nominal */
 #define VELUM_TILE_KEY_NONE 0xffffffffu
 /* Pages of a layer of their image, side by side: one page a layer is padded to twice its size on GPUs. */
 #define VELUM_PAGE_COLUMNS 4u
 #define VELUM_PAGE_ROWS 32u
 #define VELUM_PAGES_A_LAYER (VELUM_PAGE_COLUMNS * VELUM_PAGE_ROWS)
 
-/* Parts of a page's side. Of each part of a page is known between which heights there is anything (core/tile_spans.h):
- * a word each, row by row; then as many again of what falls, in pages of fringes. Low 16 bits: lowest height, as texels
+/* Parts of a page's side. Of each part of a page is known between which heights there is anything (core/tile_spans.h): a
+ * word each, row by row; then as many again of what falls, in pages of fringes. Low 16 bits: lowest height, as texels
  * store it; high ones: highest. */
 #define VELUM_PARTS 4
 #define VELUM_SPAN_WORDS (2 * VELUM_PARTS * VELUM_PARTS)
@@ -32,12 +32,13 @@ VELUM_STRUCT(velum_face_place) {
 
 /* atan(x) / x for |x| <= 1, within 2e-8 (Abramowitz & Stegun 1964, 4.4.49). */
 VELUM_FN float velum_atan_ratio(float x2) {
-    return 1.0f + x2 * (-0.3333314528f +
-                        x2 * (0.1999355085f +
-                              x2 * (-0.1420889944f +
-                                    x2 * (0.1065626393f +
-                                          x2 * (-0.0752896400f +
-                                                x2 * (0.0429096138f + x2 * (-0.0161657367f + x2 * 0.0028662257f)))))));
+    return 1.0f +
+           x2 * (-0.3333314528f +
+                 x2 * (0.1999355085f +
+                       x2 * (-0.1420889944f +
+                             x2 * (0.1065626393f +
+                                   x2 * (-0.0752896400f +
+                                         x2 * (0.0429096138f + x2 * (-0.0161657367f + x2 * 0.0028662257f)))))));
 }
 
 VELUM_FN velum_face_place velum_face_of(float nx, float ny, float nz) {
