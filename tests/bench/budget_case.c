@@ -8,10 +8,9 @@
 #include "plugin/preset_figures.h"
 #include "scene.h"
 
-enum { WIDTH = 256, HEIGHT = 144, FRAMES = 600, STORM_FRAMES = 24, RUNNING = 9 };
-/* Work is counted at every sixth frame of a flight at 12 Hz: 20 m a frame. */
+/* A flight at 12 Hz: 20 m a frame. Work is counted at every sixth. */
 enum { COUNTED_WIDTH = 192, COUNTED_HEIGHT = 108, COUNTED_FRAMES = 1200, BETWEEN = 6, MEDIUM = 1 };
-enum { FINE_FRAMES = (COUNTED_FRAMES - 1) * BETWEEN };
+enum { FRAMES = (COUNTED_FRAMES - 1) * BETWEEN, STORM_FRAMES = 24, RUNNING = 9 };
 #define TOLERANCE 0.1
 /* Turns of quality by less are not seen: 19 % of march time. */
 #define SEEN_OCTAVES 0.25
@@ -23,7 +22,7 @@ typedef struct flight_frame {
     bool begins;    /* nothing is governed yet, or there is no cloud */
 } flight_frame;
 
-static flight_frame frames[FINE_FRAMES];
+static flight_frame frames[FRAMES];
 
 static bool fly_to(scene *s, const velum_scenario *scenario, double time_s) {
     velum_scenario_camera pose;
@@ -44,7 +43,8 @@ static bool storm_ms(scene *s, const velum_scenario *scenario, int32_t quality, 
     scene_eye eye;
     scene_frame frame;
     series = (bench_series){.count = 0};
-    if (!fly_to(s, scenario, 0.8 * scenario->duration_s) || !scene_eye_init(s, &eye, quality, 1, WIDTH, HEIGHT)) {
+    if (!fly_to(s, scenario, 0.8 * scenario->duration_s) ||
+        !scene_eye_init(s, &eye, quality, 1, s->b->width, s->b->height)) {
         return false;
     }
     bool ok = scene_settle(s, &eye, 2);
@@ -143,7 +143,7 @@ static bool fly(bench *b, scene *s, const velum_scenario *scenario, const char *
         bench_skip(b, "the device has no timestamps");
         return true;
     }
-    ok = fly_to(s, scenario, 0.0) && scene_eye_init(s, &eye, VELUM_QUALITY_MEDIUM, 1, WIDTH, HEIGHT);
+    ok = fly_to(s, scenario, 0.0) && scene_eye_init(s, &eye, VELUM_QUALITY_MEDIUM, 1, b->width, b->height);
     if (!ok) {
         return false;
     }
@@ -187,11 +187,11 @@ static double samples_over_medium(float preset) {
 }
 
 static void fly_counted(const double *samples, double budget, uint32_t delay) {
-    static governor_setting settings[FINE_FRAMES];
+    static governor_setting settings[FRAMES];
     const governor_setting best = {.ray_rate = 1, .preset = (float)(PRESETS - 1)};
     governor g;
     governor_init(&g, (float)budget, MEDIUM, best);
-    for (uint32_t i = 0; i < FINE_FRAMES; i++) {
+    for (uint32_t i = 0; i < FRAMES; i++) {
         flight_frame *f = &frames[i];
         double share = (double)(i % BETWEEN) / BETWEEN;
         double here = (1.0 - share) * samples[i / BETWEEN] + share * samples[i / BETWEEN + 1];
@@ -224,7 +224,7 @@ static bool fly_by_count(bench *b, scene *s, const velum_scenario *scenario) {
     double budget = (RAY_SAMPLES + bench_median(&storm)) / 16.0 / (1.0 - REST_SHARE);
     for (uint32_t k = 0; k < 2; k++) {
         fly_counted(samples, budget, 1 + 2 * k);
-        report_flight(b, names[k], FINE_FRAMES, budget);
+        report_flight(b, names[k], FRAMES, budget);
     }
     return true;
 }

@@ -14,7 +14,7 @@ static int usage(int status) {
             "            [--shared DIR] [--plugin PATH] [--out DIR] [--size WxH]\n"
             "Medians over N rounds (7) of N frames (4) of each variant in turn. Without --case: all cases.\n"
             "--case motion: all of which the name begins with motion_, where none is called so.\n"
-            "--out: an existing folder, for charts and pictures. --size: of motion and flicker (320x180).\n"
+            "--out: an existing folder, for charts and pictures. --size: of motion, flicker and budget (320x180).\n"
             "--shared: real weather files (the environment's VELUM_SHARED). --plugin: VELUM_PLUGIN.\n");
     return status;
 }
