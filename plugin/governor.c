@@ -6,6 +6,7 @@
 
 enum {
     DENSITY_MOST = 6,    /* one ray a pixel */
+    DENSITY_FINER = 4,   /* the most at which blocks are large enough for four rays */
     DENSITY_PRESETS = 2, /* one ray for 16, as presets have */
     KNOWN = 3,           /* frames that a track needs */
     SETTLED = 32,        /* of which it is a mean at first */
@@ -30,6 +31,9 @@ enum {
 /* Octaves of samples from frame to frame that tell of it, and share of what they tell in what is believed. */
 #define TELLING_STEPS 0.4f
 #define TELLING_SHARE 0.3f
+/* Octaves of steps that are given up before the last finer block is: to have any at all has a cost of its own, which a
+ * device tells when it has them. */
+#define FINER_KEPT 0.6f
 /* Of the way back to the first guess in a frame that waits with all steps: nothing tells of the power then, and one
  * that was learnt too low, from a scene that changed, would have it wait for ever. */
 #define FORGET 0.02f
@@ -69,12 +73,26 @@ static uint32_t density_of(uint32_t ray_rate) {
     return density;
 }
 
+/* Rays more, where all blocks that may have them do. */
+static float octaves_of_finer(uint32_t finer) {
+    return log2f(1.0f + 3.0f * (float)finer / 64.0f);
+}
+
+static uint32_t finer_at(float octaves) {
+    const float finer = (exp2f(octaves) - 1.0f) * (64.0f / 3.0f) + 0.5f;
+    return (uint32_t)fminf(fmaxf(finer, 0.0f), (float)GOVERNOR_FINER_MOST);
+}
+
+static uint32_t finer_most(uint32_t density) {
+    return density <= DENSITY_FINER ? GOVERNOR_FINER_MOST : 0;
+}
+
 static float octaves_of(const governor *g, governor_setting setting) {
-    return (float)density_of(setting.ray_rate) + g->power * steps_at(setting.preset);
+    return (float)density_of(setting.ray_rate) + g->power * steps_at(setting.preset) + octaves_of_finer(setting.finer);
 }
 
 float governor_octaves(const governor *g) {
-    return (float)g->density + g->power * g->steps;
+    return (float)g->density + g->power * g->steps + octaves_of_finer(g->finer);
 }
 
 static float median(float a, float b, float c) {
@@ -110,6 +128,7 @@ static void begin(governor *g) {
     const bool above = octaves_of(g, first) > octaves_of(g, g->most);
     g->density = density_of(above ? g->most.ray_rate : first.ray_rate);
     g->steps = steps_at(above ? g->most.preset : first.preset);
+    g->finer = 0;
 }
 
 void governor_init(governor *g, float budget_ms, uint32_t first_preset, governor_setting most) {
@@ -127,6 +146,7 @@ void governor_reset(governor *g) {
     if (governor_octaves(&before) < governor_octaves(g)) {
         g->density = before.density;
         g->steps = before.steps;
+        g->finer = before.finer;
     }
     g->cost = g->rest = (governor_track){0};
     g->newest = (governor_frame){0};
@@ -156,7 +176,8 @@ static void learn_power(governor *g, const governor_frame *frame) {
     if (fabsf(steps) < TELLING_STEPS || frame->march_ms <= 0.0f || last->march_ms <= 0.0f) {
         return;
     }
-    float density = (float)density_of(frame->setting.ray_rate) - (float)density_of(last->setting.ray_rate);
+    float density = (float)density_of(frame->setting.ray_rate) - (float)density_of(last->setting.ray_rate) +
+                    octaves_of_finer(frame->setting.finer) - octaves_of_finer(last->setting.finer);
     float told = (log2f(frame->march_ms / last->march_ms) - density) / steps;
     if (told < POWER_LEAST - POWER_SLACK || told > POWER_MOST + POWER_SLACK) {
         return;
@@ -192,9 +213,11 @@ static bool may_be_denser(const governor *g) {
            (room >= governor_octaves(g) + 1.0f || (g->hold == 0 && room >= (float)(g->density + 1)));
 }
 
-/* Rays and steps for so many octaves. A number of rays is kept as long as steps can make up for what is wanted. */
+/* Rays and steps for so many octaves. A number of rays is kept as long as steps, and then finer blocks, can make up for
+ * what is wanted. */
 static void share_out(governor *g, float octaves) {
-    const float widest = g->power * steps_of(finest);
+    const float steps = g->power * steps_of(finest);
+    const float widest = steps + octaves_of_finer(finer_most(g->density));
     while (octaves < (float)g->density && g->density > 0) {
         g->density--;
         if (g->since_denser < g->hold_next) {
@@ -212,7 +235,13 @@ static void share_out(governor *g, float octaves) {
             believe_power(g, g->power + FORGET * fmaxf(POWER_FIRST - g->power, 0.0f), g->steps);
         }
     }
-    g->steps = fminf(fmaxf((octaves - (float)g->density) / g->power, 0.0f), steps_of(finest));
+    const float left = octaves - (float)g->density;
+    const uint32_t finer = finer_at(left - steps);
+    const uint32_t least = g->finer > 0 && left > steps - FINER_KEPT ? 1 : 0;
+    const uint32_t most = finer_most(g->density);
+    g->finer = finer > least ? finer : least;
+    g->finer = g->finer < most ? g->finer : most;
+    g->steps = fminf(fmaxf((left - octaves_of_finer(g->finer)) / g->power, 0.0f), steps_of(finest));
 }
 
 /* Octaves of the next frame. */
@@ -256,6 +285,8 @@ governor_setting governor_next(governor *g) {
 }
 
 governor_setting governor_now(const governor *g) {
-    return (governor_setting){
-        .ray_rate = 1u << (DENSITY_MOST - g->density), .preset = preset_at(g->steps), .epoch = g->epoch};
+    return (governor_setting){.ray_rate = 1u << (DENSITY_MOST - g->density),
+                              .preset = preset_at(g->steps),
+                              .finer = g->finer,
+                              .epoch = g->epoch};
 }

@@ -6,9 +6,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+enum { GOVERNOR_FINER_MOST = 14 };
+
 typedef struct governor_setting {
     uint32_t ray_rate; /* pixels a ray: a power of two, 1..64 */
     float preset;      /* steps: 0 low, 1 medium, 2 high, 3 ultra, or between */
+    uint32_t finer;    /* blocks of each 64 that may have four rays: 0..GOVERNOR_FINER_MOST */
     uint32_t epoch;    /* frames of an earlier one teach nothing */
 } governor_setting;
 
@@ -45,6 +48,7 @@ typedef struct governor {
     governor_frame newest;     /* learnt from; ray_rate 0: none */
     uint32_t density;          /* log2 of 64 / ray_rate */
     float steps;               /* log2 of samples over those of low */
+    uint32_t finer;
     bool rises;
     uint32_t since_denser, hold, hold_next; /* frames */
     uint32_t epoch;

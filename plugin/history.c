@@ -159,10 +159,9 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
                         plan->standing_ray_rate > plan->ray_rate && !plan_is_study(plan);
     const bool is_kept = drifts && lags(v, now, plan, drift);
     const bool has_settled = is_still && !next->has_moved && past->counter - next->begun >= plan->ray_rate;
-    /* Pixels may lose what they have where the host's things come and go; a budget would spend what this saves, and
-     * miss it in motion; studies put no ray into its pixel. */
+    /* Pixels may lose what they have where the host's things come and go; studies put no ray into its pixel. */
     const bool in_place =
-        !t.has_depth && !plan_is_study(plan) && !other_plan && !v->eye->is_governed && (is_kept || has_settled);
+        !t.has_depth && !plan_is_study(plan) && !other_plan && !plan->every_pixel && (is_kept || has_settled);
     t.way = in_place ? HISTORY_KEEPS : is_still || is_kept ? HISTORY_RESTS : HISTORY_MOVES;
     t.samples = drifts || !is_still ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;

@@ -78,8 +78,9 @@ void plan_make(const engine *e, eye *y) {
                            .distance_m = distance_m,
                            /* What it saves would be spent by a budget, and be missing as soon as the eye moves. */
                            .standing_ray_rate = y->is_governed ? 0 : p.standing_ray_rate,
-                           /* A budget buys more rays everywhere. */
-                           .finer_rays = !y->is_governed && y->quality != VELUM_QUALITY_REFERENCE};
+                           .finer_rays = y->is_governed ? setting.finer != 0 : y->quality != VELUM_QUALITY_REFERENCE,
+                           .finer_blocks = y->is_governed ? setting.finer : 0,
+                           .every_pixel = y->is_governed};
     plan_reason(y, "quality %s%s: %u steps, of %g m and more after the first, %u towards the sun, 1 ray for %u pixels",
                 p.name, setting.preset > floorf(setting.preset) ? " and better" : "", p.march_steps, (double)p.step_m,
                 p.light_steps, setting.ray_rate);
@@ -88,6 +89,9 @@ void plan_make(const engine *e, eye *y) {
     }
     if (y->plan.finer_rays != 0) {
         plan_reason(y, ", four times as many where views move and neighbouring rays differ");
+        if (y->plan.finer_blocks != 0) {
+            plan_reason(y, ", in %u of 64 blocks", y->plan.finer_blocks);
+        }
     }
     budget_reasons(e, y);
     if (y->tiles.mask == 0) {
@@ -182,7 +186,9 @@ velum_result plan_impose(eye *y, const velum_plan *plan) {
                    "plan.standing_ray_rate: found %u, expected 0 or a power of two up to 256", p.standing_ray_rate);
         return check.result;
     }
-    if (!check_count(&check, "plan.finer_rays", p.finer_rays, 0, 1) || !check_study(&check, y, &p)) {
+    if (!check_count(&check, "plan.finer_rays", p.finer_rays, 0, 1) ||
+        !check_count(&check, "plan.finer_blocks", p.finer_blocks, 0, GOVERNOR_FINER_MOST) ||
+        !check_count(&check, "plan.every_pixel", p.every_pixel, 0, 1) || !check_study(&check, y, &p)) {
         return check.result;
     }
     p.struct_size = sizeof p;

@@ -53,6 +53,8 @@ json_t *stats_plan(const velum_plan *plan) {
     json_object_set_new(object, "ray_rate", json_integer(plan->ray_rate));
     json_object_set_new(object, "standing_ray_rate", json_integer(plan->standing_ray_rate));
     json_object_set_new(object, "finer_rays", json_integer(plan->finer_rays));
+    json_object_set_new(object, "finer_blocks", json_integer(plan->finer_blocks));
+    json_object_set_new(object, "every_pixel", json_integer(plan->every_pixel));
     json_object_set_new(object, "octaves", json_integer(plan->octaves));
     json_object_set_new(object, "blending", json_integer(plan->blending));
     json_object_set_new(object, "step_m", json_number((double)plan->step_m));

@@ -288,13 +288,20 @@ struct storm_look {
     float base;   /* as below_share */
     float faces;  /* how far tops are met as a deck's faces are, and not as a plane */
 };
-/* All towers, as the middle of one that covers all is, and one under an anvil, as far as velum_profile.damp goes. Fitted
- * to references of cumulonimbus and, by hand, to the scene `thunderstorm`. */
-const storm_look storm_alone = storm_look(1.0, 0.5, 0.9, 0.58, 1.29, 0.0);
-const storm_look storm_in_field = storm_look(0.65, 0.91, 0.6, 0.37, 0.23, 0.42);
-const float storm_slope = 0.154; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
+/* All towers, as the middle of one that covers all is, and one under an anvil, as far as velum_profile.damp goes, or one
+ * of an overcast, which goes on towards the sun. Fitted to references of cumulonimbus (seven of a field, two of covers of
+ * 0.85 and 1) and, alone, by hand to the scene `thunderstorm`. */
+const storm_look storm_alone = storm_look(1.1, 0.509, 1.65, 1.0, 1.22, 0.0);
+const storm_look storm_in_field = storm_look(0.349, 0.961, 0.51, 0.275, 0.196, 0.764);
+const float storm_slope = 0.137; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
+const float storm_turns = 0.236, storm_lit = 0.864, storm_dark = 1.1; /* as turns, lit_depth and dark_share */
+/* What is turned to the sun sees the bright half of the sky, and what is turned away the ground and the shade: so much
+ * more and less, by the fall of the margin over so much of the lumps' period. By eye: references are too noisy to tell. */
+const float storm_relief = 0.3, storm_near = 0.036;
+/* Cosine at which a level top is met by a high sun, at most. */
+const float storm_top = 0.384;
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
-const float sky_aside = 0.55;   /* how far aside, m a metre down, what is seen between storms is their walls */
+const float sky_aside = 0.537;  /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
  * nearer that is. */
 const float limb = 2.53, falls = 1.96;
@@ -394,13 +401,14 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     /* What is thin and open shines by itself, where the sun comes to it, and else by the cloud over it. */
     whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
     bool storm = hit.slot == VELUM_SLOT_STORM;
-    float up = 1.0 / (1.0 + turns * ways.up);
-    float down = 1.0 / (1.0 + turns * ways.down);
-    float flank = 1.0 / (1.0 + turns * ways.flank);
     bool heaps = !storm && !is_fringe(hit);
     bool towers = storm && !is_fringe(hit);
+    float slows = storm ? storm_turns : turns;
+    float up = 1.0 / (1.0 + slows * ways.up);
+    float down = 1.0 / (1.0 + slows * ways.down);
+    float flank = 1.0 / (1.0 + slows * ways.flank);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
-    float lit = 1.0 / (1.0 + lit_depth * turns * depth * (1.0 + alone_lit * alone));
+    float lit = 1.0 / (1.0 + (storm ? storm_lit : lit_depth) * slows * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
     float aside = flank * (1.0 - over);
@@ -415,7 +423,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float peak_phase = velum_phase_hg(phases.cos_sun, peak.g * exp(-peak.fade * depth));
     float widened = peak.share * exp(-peak.loss * depth) * peak_phase * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
-    storm_look look = storm_look_of(hit.profile.damp);
+    storm_look look = storm_look_of(max(hit.profile.damp, velum_overcast(way.coverage)));
     float wall = storm ? look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
@@ -430,7 +438,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
-        float level = mix(clamp(mu_sun, storm_graze, lump_face), deck_faces(mu_sun), look.faces * faces_free(mu_sun));
+        float level = mix(clamp(mu_sun, storm_graze, storm_top), deck_faces(mu_sun), look.faces * faces_free(mu_sun));
         float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
         deep = deep_under(met) * (look.turned + look.meets * meets);
     }
@@ -443,7 +451,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     }
     float turned = 1.0 - exp(-onset * whole);
     float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
-    float diffuse = lit / (lit + dark_share * dark) * turned * steep;
+    float diffuse = lit / (lit + (towers ? storm_dark : dark_share) * dark) * turned * steep;
     diffuse *= 1.0 + onward * phases.cos_sun * (2.0 * lit - 1.0);
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
@@ -456,6 +464,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 beside = open + walls * (storm ? look.walls : wall_share) * even * sun;
     down *= towers ? look.base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
+    if (towers) {
+        float tilt = sine_of(way.falls_near_1_m * storm_near / eye.slots[hit.slot].lump_0.w);
+        all_round *= 1.0 + storm_relief * tilt * (1.0 - velum_anvil(hit.height_fraction));
+    }
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }
 

@@ -42,7 +42,7 @@ void main() {
         before_it += first ? 1u : 0u;
     }
     ivec2 here = clamp(ivec2(view.march_size.xy) - dealt_group() * VELUM_GROUP, ivec2(0), ivec2(VELUM_GROUP));
-    uint most = uint(here.x * here.y) * uint(VELUM_FINER_NINTHS) / 9u;
+    uint most = uint(float(here.x * here.y) * view.before_jitter.z / 64.0 + 1.0e-3);
     bool finer = contrast > VELUM_FINER_CONTRAST && before_it < most;
 
     uint count = finer ? 4u : is_in ? 1u : 0u;

@@ -93,7 +93,7 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(turn);
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
-    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; 0; 0 */
+    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; of 64 blocks, how many may be finer; 0 */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
     /* How far cloud at the levels of shade.h over the eye has drifted since the time that history shows, m. */
     VELUM_VEC4S(drifts, VELUM_SHADE_LEVELS);
@@ -198,11 +198,12 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_LIT_BYTES 16
 #define VELUM_LIT_DISPATCH_BYTES 16
 #define VELUM_LIT_HEAD_BYTES (3 * VELUM_LIT_DISPATCH_BYTES)
-/* Where some blocks have four rays: places of any ray then; of a group of blocks that may have them, in ninths; least
- * contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one ray with four
- * places for each block does. */
+/* Where some blocks have four rays: places of any ray then; of a group of blocks that may have them, in ninths; the same
+ * of 64; least contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one
+ * ray with four places for each block does. */
 #define VELUM_FINER_PLACES 2
 #define VELUM_FINER_NINTHS 2
+#define VELUM_FINER_BLOCKS (64.0f * 2.0f / 9.0f)
 #define VELUM_FINER_CONTRAST 0.5f
 /* Columns of dispatches over lists; rows as many as it takes. */
 #define VELUM_LIT_COLUMNS 16

@@ -351,6 +351,8 @@ static void answers_are_checked(void **state) {
         RULE(velum_plan, distance_m, FIELD_F32, 0, INFINITY),
         RULE(velum_plan, blending, FIELD_U32, 0, 1),
         RULE(velum_plan, finer_rays, FIELD_U32, 0, 1),
+        RULE(velum_plan, finer_blocks, FIELD_U32, 0, 14),
+        RULE(velum_plan, every_pixel, FIELD_U32, 0, 1),
         RULE(velum_plan, integrator, FIELD_U32, 0, VELUM_INTEGRATOR_TRAPEZOID),
         RULE(velum_plan, scattering, FIELD_U32, 0, VELUM_SCATTERING_OCTAVES),
         RULE(velum_plan, sun_depth, FIELD_U32, 0, VELUM_SUN_DEPTH_MAP),

@@ -257,9 +257,17 @@ typedef struct velum_plan {
     /* Of any eye, but of no plan with a field of studies. 1: where an eye or its weather moves, blocks of ray_rate
      * pixels around which rays have found much that differs (half of what is seen) have a ray in each of their
      * quarters: at most two in nine, so that there are at most 5 / 3 as many rays. With a ray_rate of 4 and more. 0:
-     * never; so it is where a budget_ms is kept, in plans of the reference, and in those of hosts whose struct_size
-     * ends before it. */
+     * never; so it is in plans of the reference, where a budget_ms leaves no time for them, and in plans of hosts whose
+     * struct_size ends before it. */
     uint32_t finer_rays;
+
+    /* With finer_rays: how many of 64 blocks (8 x 8) may be so, 1..14; 0: two in nine. What a budget_ms leaves when steps
+     * are as short as they get, and twice the rays are too dear, goes to these, one by one. */
+    uint32_t finer_blocks;
+
+    /* 1: views that stand draw each pixel each frame, as those do that move, and not only where there are new rays; so it
+     * is where a budget_ms is kept, which would be missed as soon as the eye moves. */
+    uint32_t every_pixel;
 } velum_plan;
 
 typedef struct velum_engine_api {

@@ -64,6 +64,12 @@ static double cheap(uint32_t frame) {
     return 0.01;
 }
 
+/* At a power of 0.3, with 1 ray for 16 pixels at most 0.81 of the budget, with 1 for 8 at least 1.14. */
+static double between_rays(uint32_t frame) {
+    (void)frame;
+    return 5.1;
+}
+
 static double samples_of(float preset) {
     uint32_t below = preset >= 2.0f ? 2 : (uint32_t)preset;
     double a = log((double)preset_figures_of[below].samples);
@@ -88,7 +94,7 @@ static void play(governor *g, const device *d) {
         }
         settings[i] = governor_next(g);
         doings[i] = g->doing;
-        double rays = 64.0 / settings[i].ray_rate;
+        double rays = 64.0 / settings[i].ray_rate * (1.0 + 3.0 * settings[i].finer / 64.0);
         double work = d->cost(i) * (i > 0 && i == d->slow_frame ? 10.0 : 1.0);
         march_ms[i] = work * rays * pow(samples_of(settings[i].preset), d->power);
         total_ms[i] = march_ms[i] + REST_MS;
@@ -214,6 +220,22 @@ static void a_storm_that_comes_is_followed(void **state) {
     }
 }
 
+static void finer_blocks_fill_what_rays_leave(void **state) {
+    (void)state;
+    for (device d = {.power = 0.3, .delay = 1, .cost = between_rays}; d.delay <= 3; d.delay++) {
+        fly(&d);
+        assert_true(kept(300, FRAMES) > 0.99);
+        assert_true(turns(300, FRAMES, SEEN_OCTAVES) <= 1);
+        assert_int_equal(settings[FRAMES - 1].ray_rate, 16);
+        assert_in_range(settings[FRAMES - 1].finer, 1, GOVERNOR_FINER_MOST);
+        for (uint32_t i = 0; i < FRAMES; i++) {
+            assert_true(settings[i].finer <= GOVERNOR_FINER_MOST);
+            assert_true(settings[i].finer == 0 || settings[i].ray_rate >= 4);
+            assert_true(settings[i].finer <= 1 || settings[i].preset > 2.5f);
+        }
+    }
+}
+
 static void rises_slowly(void **state) {
     (void)state;
     const device d = {.power = 1.0, .delay = 1, .cost = steady};
@@ -330,6 +352,7 @@ int main(void) {
         cmocka_unit_test(noise_does_not_pump),
         cmocka_unit_test(a_storm_at_once_costs_few_frames),
         cmocka_unit_test(a_storm_that_comes_is_followed),
+        cmocka_unit_test(finer_blocks_fill_what_rays_leave),
         cmocka_unit_test(rises_slowly),
         cmocka_unit_test(a_lone_slow_frame_changes_nothing),
         cmocka_unit_test(ends_are_told),
