@@ -83,8 +83,9 @@ static uint32_t finer_at(float octaves) {
     return (uint32_t)fminf(fmaxf(finer, 0.0f), (float)GOVERNOR_FINER_MOST);
 }
 
-static uint32_t finer_most(uint32_t density) {
-    return density <= DENSITY_FINER ? GOVERNOR_FINER_MOST : 0;
+/* Where there may be no more rays, there are no finer blocks either. */
+static uint32_t finer_most(const governor *g) {
+    return g->density <= DENSITY_FINER && g->density < density_of(g->most.ray_rate) ? GOVERNOR_FINER_MOST : 0;
 }
 
 static float octaves_of(const governor *g, governor_setting setting) {
@@ -216,8 +217,6 @@ static bool may_be_denser(const governor *g) {
 /* Rays and steps for so many octaves. A number of rays is kept as long as steps, and then finer blocks, can make up for
  * what is wanted. */
 static void share_out(governor *g, float octaves) {
-    const float steps = g->power * steps_of(finest);
-    const float widest = steps + octaves_of_finer(finer_most(g->density));
     while (octaves < (float)g->density && g->density > 0) {
         g->density--;
         if (g->since_denser < g->hold_next) {
@@ -226,6 +225,7 @@ static void share_out(governor *g, float octaves) {
         }
         g->since_denser = HOLD_MOST;
     }
+    const float widest = g->power * steps_of(finest) + octaves_of_finer(finer_most(g));
     if (octaves > (float)g->density + widest) {
         if (may_be_denser(g)) {
             g->density++;
@@ -235,10 +235,11 @@ static void share_out(governor *g, float octaves) {
             believe_power(g, g->power + FORGET * fmaxf(POWER_FIRST - g->power, 0.0f), g->steps);
         }
     }
+    const float steps = g->power * steps_of(finest);
     const float left = octaves - (float)g->density;
     const uint32_t finer = finer_at(left - steps);
     const uint32_t least = g->finer > 0 && left > steps - FINER_KEPT ? 1 : 0;
-    const uint32_t most = finer_most(g->density);
+    const uint32_t most = finer_most(g);
     g->finer = finer > least ? finer : least;
     g->finer = g->finer < most ? g->finer : most;
     g->steps = fminf(fmaxf((left - octaves_of_finer(g->finer)) / g->power, 0.0f), steps_of(finest));
@@ -277,6 +278,7 @@ governor_setting governor_next(governor *g) {
             g->doing = g->doing == GOVERNOR_FALLS ? GOVERNOR_LEAST : g->doing;
         } else if (octaves >= most) {
             octaves = most;
+            g->density = density_of(g->most.ray_rate);
             g->doing = g->doing == GOVERNOR_RISES ? GOVERNOR_MOST : g->doing;
         }
         share_out(g, octaves);

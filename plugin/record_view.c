@@ -578,11 +578,14 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
         gpu_image_make_general(&e->g, commands, own[i]);
     }
     uint32_t query = frame_queries(e, 3);
+    /* Blocks that no frame has had teach nothing of their cost. */
+    governor_setting setting = governor_now(&y->governor);
+    setting.finer = history.has_finer ? setting.finer : 0;
     record_passes(v, commands, &block, &f, history.tiles_begin, &passes, counter, query);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
                                                         .is_governed = y->is_governed,
-                                                        .setting = governor_now(&y->governor),
+                                                        .setting = setting,
                                                         .stats = {.incomplete = y->incomplete,
                                                                   .frame = e->newest_serial,
                                                                   .revision = e->weather.revision,

@@ -424,7 +424,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float widened = peak.share * exp(-peak.loss * depth) * peak_phase * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
     storm_look look = storm_look_of(max(hit.profile.damp, velum_overcast(way.coverage)));
-    float wall = storm ? look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) : 0.0;
+    float wall = storm ? min(look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 1.0) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);

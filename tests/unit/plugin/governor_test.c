@@ -236,6 +236,27 @@ static void finer_blocks_fill_what_rays_leave(void **state) {
     }
 }
 
+static double storm_passes(uint32_t frame) {
+    return frame > 300 && frame < 800 ? 12.0 : 0.5;
+}
+
+/* After a storm an eye comes back to all that its error lets it have, and to no finer blocks in place of steps. */
+static void a_limit_is_come_back_to(void **state) {
+    (void)state;
+    for (uint32_t preset = 0; preset < PRESETS; preset++) {
+        EACH_DEVICE(d, storm_passes) {
+            governor g;
+            governor_init(&g, (float)BUDGET_MS, preset, (governor_setting){.ray_rate = 16, .preset = (float)preset});
+            play(&g, &d);
+            assert_int_equal(settings[799].ray_rate == 16 && settings[799].finer != 0, 0);
+            assert_true(settings[799].ray_rate > 16 || settings[799].preset < (float)preset);
+            assert_int_equal(settings[FRAMES - 1].ray_rate, 16);
+            assert_float_equal((double)settings[FRAMES - 1].preset, (double)preset, 1e-3);
+            assert_int_equal(settings[FRAMES - 1].finer, 0);
+        }
+    }
+}
+
 static void rises_slowly(void **state) {
     (void)state;
     const device d = {.power = 1.0, .delay = 1, .cost = steady};
@@ -353,6 +374,7 @@ int main(void) {
         cmocka_unit_test(a_storm_at_once_costs_few_frames),
         cmocka_unit_test(a_storm_that_comes_is_followed),
         cmocka_unit_test(finer_blocks_fill_what_rays_leave),
+        cmocka_unit_test(a_limit_is_come_back_to),
         cmocka_unit_test(rises_slowly),
         cmocka_unit_test(a_lone_slow_frame_changes_nothing),
         cmocka_unit_test(ends_are_told),
