@@ -278,6 +278,7 @@ governor_setting governor_next(governor *g) {
             g->doing = g->doing == GOVERNOR_FALLS ? GOVERNOR_LEAST : g->doing;
         } else if (octaves >= most) {
             octaves = most;
+            /* Fewer rays with finer blocks may come to as much. */
             g->density = density_of(g->most.ray_rate);
             g->doing = g->doing == GOVERNOR_RISES ? GOVERNOR_MOST : g->doing;
         }

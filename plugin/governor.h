@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { GOVERNOR_FINER_MOST = 14 };
+enum { GOVERNOR_FINER_MOST = 14 }; /* two in nine: velum_plan.finer_blocks */
 
 typedef struct governor_setting {
     uint32_t ray_rate; /* pixels a ray: a power of two, 1..64 */
@@ -48,7 +48,7 @@ typedef struct governor {
     governor_frame newest;     /* learnt from; ray_rate 0: none */
     uint32_t density;          /* log2 of 64 / ray_rate */
     float steps;               /* log2 of samples over those of low */
-    uint32_t finer;
+    uint32_t finer;            /* as in a setting */
     bool rises;
     uint32_t since_denser, hold, hold_next; /* frames */
     uint32_t epoch;

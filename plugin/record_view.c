@@ -208,6 +208,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     out->scale[0] = now->scale;
     memcpy(&out->scale[1], now->jitter, sizeof now->jitter);
     memcpy(out->before_jitter, before->jitter, sizeof before->jitter);
+    _Static_assert(GOVERNOR_FINER_MOST == 64 * VELUM_FINER_NINTHS / 9, "lists have room for so many");
     out->before_jitter[2] = plan->finer_blocks != 0 ? (float)plan->finer_blocks : VELUM_FINER_BLOCKS;
     out->scale[3] = history->samples;
     out->depth[0] = (float)f->depth_convention;

@@ -289,8 +289,8 @@ struct storm_look {
     float faces;  /* how far tops are met as a deck's faces are, and not as a plane */
 };
 /* All towers, as the middle of one that covers all is, and one under an anvil, as far as velum_profile.damp goes, or one
- * of an overcast, which goes on towards the sun. Fitted to references of cumulonimbus (seven of a field, two of covers of
- * 0.85 and 1) and, alone, by hand to the scene `thunderstorm`. */
+ * of an overcast, which goes on towards the sun. Fitted to seven references of cumulonimbus in a field and, alone,
+ * by hand to the scene `thunderstorm`. */
 const storm_look storm_alone = storm_look(1.1, 0.509, 1.65, 1.0, 1.22, 0.0);
 const storm_look storm_in_field = storm_look(0.349, 0.961, 0.51, 0.275, 0.196, 0.764);
 const float storm_slope = 0.137; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */

@@ -81,9 +81,9 @@ static int compare(const void *a, const void *b) {
 }
 
 /* Median of the frames around one. */
-static double running_ms(uint32_t at, uint32_t total) {
+static double running_ms(uint32_t at) {
     double sorted[RUNNING];
-    uint32_t first = at < RUNNING / 2 ? 0 : at > total - 1 - RUNNING / 2 ? total - RUNNING : at - RUNNING / 2;
+    uint32_t first = at < RUNNING / 2 ? 0 : at > FRAMES - 1 - RUNNING / 2 ? FRAMES - RUNNING : at - RUNNING / 2;
     for (uint32_t i = 0; i < RUNNING; i++) {
         sorted[i] = frames[first + i].ms;
     }
@@ -91,13 +91,13 @@ static double running_ms(uint32_t at, uint32_t total) {
     return sorted[RUNNING / 2];
 }
 
-static void report_flight(const bench *b, const char *name, uint32_t total, double budget_ms) {
+static void report_flight(const bench *b, const char *name, double budget_ms) {
     static bench_series times, jitter;
     uint32_t governed = 0, told = 0, within = 0, over = 0, waits = 0, running = 0, turns = 0;
     int direction = 0;
     double extreme = frames[0].quality;
     times = jitter = (bench_series){.count = 0};
-    for (uint32_t i = 0; i < total; i++) {
+    for (uint32_t i = 0; i < FRAMES; i++) {
         const flight_frame *f = &frames[i];
         double up = f->quality - extreme;
         if (direction != 0 && up * direction > 0.0) {
@@ -113,7 +113,7 @@ static void report_flight(const bench *b, const char *name, uint32_t total, doub
         governed++;
         told += f->told;
         within += fabs(f->ms / budget_ms - 1.0) <= TOLERANCE || f->told;
-        running += fabs(running_ms(i, total) / budget_ms - 1.0) <= TOLERANCE || f->told;
+        running += fabs(running_ms(i) / budget_ms - 1.0) <= TOLERANCE || f->told;
         waits += f->waits && f->ms < (1.0 - TOLERANCE) * budget_ms;
         over += f->ms > (1.0 + TOLERANCE) * budget_ms && !f->told;
         bench_add(&times, f->ms);
@@ -156,7 +156,7 @@ static bool fly(bench *b, scene *s, const velum_scenario *scenario, const char *
     }
     scene_eye_finish(&eye, s);
     if (ok) {
-        report_flight(b, name, FRAMES, budget_ms);
+        report_flight(b, name, budget_ms);
     }
     return ok;
 }
@@ -229,7 +229,7 @@ static bool fly_by_count(bench *b, scene *s, const velum_scenario *scenario) {
     double budget = (RAY_SAMPLES + bench_median(&storm)) / 16.0 / (1.0 - REST_SHARE);
     for (uint32_t k = 0; k < 2; k++) {
         fly_counted(samples, budget, 1 + 2 * k);
-        report_flight(b, names[k], FRAMES, budget);
+        report_flight(b, names[k], budget);
     }
     return true;
 }

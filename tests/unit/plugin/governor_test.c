@@ -248,7 +248,7 @@ static void a_limit_is_come_back_to(void **state) {
             governor g;
             governor_init(&g, (float)BUDGET_MS, preset, (governor_setting){.ray_rate = 16, .preset = (float)preset});
             play(&g, &d);
-            assert_int_equal(settings[799].ray_rate == 16 && settings[799].finer != 0, 0);
+            assert_false(settings[799].ray_rate == 16 && settings[799].finer != 0);
             assert_true(settings[799].ray_rate > 16 || settings[799].preset < (float)preset);
             assert_int_equal(settings[FRAMES - 1].ray_rate, 16);
             assert_float_equal((double)settings[FRAMES - 1].preset, (double)preset, 1e-3);
