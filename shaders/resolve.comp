@@ -42,11 +42,11 @@ const float stays = 2e-3;
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float borrowed = 0.75;
-/* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
- * clouds vary as much. */
+/* In motion, share of what a pixel lies beyond those beside it that is not shown; at rest it is all. The less where pixels
+ * are wider than this, for then clouds vary as much. */
 const float evened_share = 0.6, evened_rad = 1.2e-3;
 /* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
-const float places_of_steps = 4.0;
+const float places_of_steps = 3.97; /* four; strides lose some by filters */
 /* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
  * beside them, whatever that is. */
 const float shut = 0.01;
@@ -233,6 +233,9 @@ struct light_beside {
 vec4 excess_over(vec4 light, vec4 a, vec4 b) {
     return light - clamp(light, min(a, b), max(a, b));
 }
+vec4 more_of(vec4 a, vec4 b) {
+    return mix(a, b, lessThan(abs(a), abs(b)));
+}
 
 /* Light of a pixel of history, as far as this frame has seen the like of it (`low` to `high`); the pixel's own (`light`)
  * where there is none, or where the host has drawn something that ended a ray there and not here (`ended`). */
@@ -244,10 +247,11 @@ vec4 light_at_side(ivec2 pixel, vec4 there, vec4 light, vec4 low, vec4 high, boo
     return is_in ? clamp(there, low, high) : light;
 }
 
-/* Of a moving view. Orthographic ones, whose pixels have no angle, are shown as they are. */
-float evened_in_motion() {
+/* How much of what a pixel lies beyond those beside it is an edge's teeth. Orthographic views, whose pixels have no angle,
+ * are shown as they are. */
+float toothed() {
     float pixel_rad = (view.up.w - view.right.w) / float(view.size.x);
-    float share = evened_share * min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
+    float share = min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
     return view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 0.0 : share;
 }
 
@@ -260,7 +264,7 @@ vec4 evened(vec4 light, float share, ivec2 cell, light_beside beside, vec4 low, 
                               light_at_side(cell + x, beside.right, light, low, high, ended));
     vec4 along = excess_over(light, light_at_side(cell - y, beside.over, light, low, high, ended),
                              light_at_side(cell + y, beside.under, light, low, high, ended));
-    return light - share * mix(across, along, lessThan(abs(across), abs(along)));
+    return light - share * more_of(across, along);
 }
 
 /* History between its pixels, as a flow from cell to cell with limited slopes: edges stay as sharp as they are however
@@ -318,31 +322,37 @@ bool hides(vec4 light, float distance_m, float end_m) {
     return light.a < shut && alike_ratio * distance_m < end_m;
 }
 
-/* Of a view that stands; `cell`: where the pixel's history is. Places to step from lie on a checkerboard, and that in
- * fours: a tent over 3 x 3 pixels leaves nothing of the first and a quarter of the others. */
-vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
-    float share = clamp(places_of_steps - cloud.samples, 0.0, 1.0);
-    float end_m = end_of(hit_m);
-    ivec2 last = ivec2(view.size.xy) - 1;
-    vec4 sum = 4.0 * cloud.light;
-    for (int k = share > 0.0 ? 0 : 9; k < 9; ++k) {
-        ivec2 off = ivec2(k % 3 - 1, k / 3 - 1);
-        ivec2 there = clamp(cell + off, ivec2(0), last);
-        vec4 light = texelFetch(history_in, there, 0);
-        if (has_depth) {
-            vec2 data = texelFetch(history_data_in, there, 0).rg;
-            float distance_m = distance_in(data.x, 1.0 - light.a) * distance_unit_m;
-            float there_hit_m = host_distance(there, ray);
-            float there_m = end_of(there_hit_m);
-            /* Of what the host draws there now. */
-            bool holds = (data.y < 0.0) == (there_hit_m >= 0.0 && light.a >= shut) && distance_m <= 1.02 * there_m;
-            bool fit = hides(light, distance_m, end_m) ||
-                       (holds && (alike(there_m, end_m) || hides(cloud.light, cloud.distance_m, there_m)));
-            light = fit ? light : cloud.light;
-        }
-        sum += k == 4 ? vec4(0.0) : float((2 - abs(off.x)) * (2 - abs(off.y))) * light;
+/* Of history beside a pixel of a view that stands; its own light where another thing is in sight there. */
+vec4 rests_beside(ivec2 there, cloud_pixel cloud, view_ray ray, float end_m) {
+    there = clamp(there, ivec2(0), ivec2(view.size.xy) - 1);
+    vec4 light = texelFetch(history_in, there, 0);
+    if (has_depth) {
+        vec2 data = texelFetch(history_data_in, there, 0).rg;
+        float distance_m = distance_in(data.x, 1.0 - light.a) * distance_unit_m;
+        float there_hit_m = host_distance(there, ray);
+        float there_m = end_of(there_hit_m);
+        /* Of what the host draws there now. */
+        bool holds = (data.y < 0.0) == (there_hit_m >= 0.0 && light.a >= shut) && distance_m <= 1.02 * there_m;
+        bool fit = hides(light, distance_m, end_m) ||
+                   (holds && (alike(there_m, end_m) || hides(cloud.light, cloud.distance_m, there_m)));
+        light = fit ? light : cloud.light;
     }
-    return mix(cloud.light, sum * (1.0 / 16.0), share);
+    return light;
+}
+
+/* Of a view that stands; `cell`: where the pixel's history is. Places to step from lie on a checkerboard, and that in
+ * fours: the mean leaves nothing of the first and half of the others. Where cloud drifts the newest ray counts for most,
+ * and edges that a pixel has seen from all places still have teeth: see evened. */
+vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
+    float end_m = end_of(hit_m);
+    vec4 left = rests_beside(cell - ivec2(1, 0), cloud, ray, end_m);
+    vec4 right = rests_beside(cell + ivec2(1, 0), cloud, ray, end_m);
+    vec4 over = rests_beside(cell - ivec2(0, 1), cloud, ray, end_m);
+    vec4 under = rests_beside(cell + ivec2(0, 1), cloud, ray, end_m);
+    vec4 excess = more_of(excess_over(cloud.light, left, right), excess_over(cloud.light, over, under));
+    vec4 own = cloud.light - (calm_turns() != 0u ? toothed() : 0.0) * excess;
+    vec4 mean = 0.5 * cloud.light + 0.125 * (left + right + over + under);
+    return mix(own, mean, clamp(places_of_steps - cloud.samples, 0.0, 1.0));
 }
 
 /* `hit_m`: the host's surface; below 0: none. `shown`: light and transmittance in the picture. */
@@ -512,14 +522,15 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.distance_m = fresh.distance_m > 0.0 ? fresh.distance_m : old.distance_m;
     } else {
         result = old;
-        result.samples = count;
+        /* What history counts for when a ray comes is asked then. */
+        result.samples = calm_turns() != 0u ? max(old.samples, count) : count;
     }
     shown = result.light;
     if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
         /* As history itself is: see held. */
         vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
-        shown = evened(shown, evened_in_motion(), old_pixel, stood_beside, low - slack, high + slack, ended);
+        shown = evened(shown, evened_share * toothed(), old_pixel, stood_beside, low - slack, high + slack, ended);
     } else if (!moves || calm_turns() != 0u) {
         shown = shown_at_rest(result, old_pixel, ray, hit_m);
     }

@@ -464,6 +464,46 @@ static void handing_on_takes_no_light(void **state) {
     rig_finish(&r);
 }
 
+/* Of transmittance: how far pixels lie from the mean of those beside them. */
+static double roughness(const rig *r) {
+    double sum = 0.0;
+    for (int y = 1; y < H - 1; y++) {
+        for (int x = 1; x < W - 1; x++) {
+            const float *at = &r->through[3 * (y * W + x)];
+            const double beside = ((double)at[-3] + (double)at[3] + (double)at[-3 * W] + (double)at[3 * W]) / 4.0;
+            sum += fabs((double)at[0] - beside);
+        }
+    }
+    return sum;
+}
+
+/* Once its pixels have had rays from all places, a view under drifting cloud shows edges as sharp as they are at rest,
+ * whether its history is kept in place or, where the host gives depth, written anew. */
+static void standing_under_drifting_cloud_is_sharp(void **state) {
+    (void)state;
+    static const float clear_depth_m[PIXELS];
+    static float moving[PIXELS * 3];
+    static rig r;
+    for (int turn = 0; turn < 2; turn++) {
+        velum_layer cumulus = fixture_cumulus();
+        cumulus.wind_east_m_s = 5.0f;
+        rig_init(&r, &cumulus);
+        r.depth_m = turn == 1 ? clear_depth_m : NULL;
+        const double under_m = (double)cumulus.base_m - 700.0;
+        stand(&r, under_m, 400);
+        memcpy(moving, r.through, sizeof moving);
+        const double drifting = roughness(&r);
+        for (uint32_t i = 0; i < AT_REST; i++) {
+            draw(&r, under_m, 0.5, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+        }
+        const double as_rough = drifting / roughness(&r);
+        const double off = apart(&r, moving);
+        print_message("under drifting cloud: %.3f as rough as at rest, %.4f of transmittance apart\n", as_rough, off);
+        assert_true(as_rough > 0.9 && as_rough < 1.1 && off <= 0.01);
+        rig_finish(&r);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
@@ -474,6 +514,7 @@ int main(void) {
                                        cmocka_unit_test(blocks_of_moving_views_have_more_rays_where_rays_differ),
                                        cmocka_unit_test(views_of_any_size_stand),
                                        cmocka_unit_test(calm_tiles_have_rays_where_the_host_draws_anew),
-                                       cmocka_unit_test(handing_on_takes_no_light)};
+                                       cmocka_unit_test(handing_on_takes_no_light),
+                                       cmocka_unit_test(standing_under_drifting_cloud_is_sharp)};
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }

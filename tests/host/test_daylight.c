@@ -40,6 +40,24 @@ static void overcast_takes_light_away(void **state) {
     assert_true(before < 0.15 * level_lx(0.7, &clear));
 }
 
+/* What broken cloud turns back comes down by its gaps, but for what goes back to space: its shadows are lighter than
+ * the sky alone would have them, and on the mean the ground gets no more than under a clear sky. */
+static void broken_cloud_lights_its_shadows(void **state) {
+    (void)state;
+    struct daylight light;
+    daylight_compute(0.7, sun_lx, true, &clear, &light);
+    const double sky_lx = (double)light.sky_lx[1];
+    for (double share = 0.05; share < 1; share += 0.05) {
+        for (double depth = 0.25; depth < 200; depth *= 2) {
+            const struct cloud_cover cover = {share, share * depth};
+            daylight_compute(0.7, sun_lx, true, &cover, &light);
+            const double mean_lx = (1 - share) * (double)light.sun_lx[1] * 0.7 + (double)light.sky_lx[1];
+            assert_true(mean_lx < level_lx(0.7, &clear));
+            assert_true(share < 0.2 || share > 0.7 || depth < 16 || (double)light.sky_lx[1] > 1.2 * sky_lx);
+        }
+    }
+}
+
 static void no_air_means_no_sky(void **state) {
     struct daylight light;
     (void)state;
@@ -107,6 +125,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clear_noon_is_as_bright_as_measured),
         cmocka_unit_test(overcast_takes_light_away),
+        cmocka_unit_test(broken_cloud_lights_its_shadows),
         cmocka_unit_test(no_air_means_no_sky),
         cmocka_unit_test(exposure_is_finite_and_follows_the_sun),
         cmocka_unit_test(the_eye_opens_where_little_is_lit),
