@@ -42,8 +42,8 @@ const float stays = 2e-3;
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float borrowed = 0.75;
-/* In motion, share of what a pixel lies beyond those beside it that is not shown; at rest it is all. The less where pixels
- * are wider than this, for then clouds vary as much. */
+/* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
+ * clouds vary as much. */
 const float evened_share = 0.6, evened_rad = 1.2e-3;
 /* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
 const float places_of_steps = 3.97; /* four; strides lose some by filters */
@@ -247,11 +247,11 @@ vec4 light_at_side(ivec2 pixel, vec4 there, vec4 light, vec4 low, vec4 high, boo
     return is_in ? clamp(there, low, high) : light;
 }
 
-/* How much of what a pixel lies beyond those beside it is an edge's teeth. Orthographic views, whose pixels have no angle,
- * are shown as they are. */
+/* What of a pixel's excess is taken for an edge's teeth. Orthographic views, whose pixels have no angle, are shown as they
+ * are. */
 float toothed() {
     float pixel_rad = (view.up.w - view.right.w) / float(view.size.x);
-    float share = min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
+    float share = evened_share * min(evened_rad * evened_rad / (pixel_rad * pixel_rad), 1.0);
     return view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 0.0 : share;
 }
 
@@ -341,8 +341,8 @@ vec4 rests_beside(ivec2 there, cloud_pixel cloud, view_ray ray, float end_m) {
 }
 
 /* Of a view that stands; `cell`: where the pixel's history is. Places to step from lie on a checkerboard, and that in
- * fours: the mean leaves nothing of the first and half of the others. Where cloud drifts the newest ray counts for most,
- * and edges that a pixel has seen from all places still have teeth: see evened. */
+ * fours: the mean leaves nothing of the first and half of the others. Where history counts for less than all places, the
+ * newest ray shows, and edges have teeth when a pixel has seen them from all: see evened. */
 vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     float end_m = end_of(hit_m);
     vec4 left = rests_beside(cell - ivec2(1, 0), cloud, ray, end_m);
@@ -350,7 +350,8 @@ vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     vec4 over = rests_beside(cell - ivec2(0, 1), cloud, ray, end_m);
     vec4 under = rests_beside(cell + ivec2(0, 1), cloud, ray, end_m);
     vec4 excess = more_of(excess_over(cloud.light, left, right), excess_over(cloud.light, over, under));
-    vec4 own = cloud.light - (calm_turns() != 0u ? toothed() : 0.0) * excess;
+    float drifts = clamp(places_of_steps - view.scale.w, 0.0, 1.0);
+    vec4 own = cloud.light - drifts * toothed() * excess;
     vec4 mean = 0.5 * cloud.light + 0.125 * (left + right + over + under);
     return mix(own, mean, clamp(places_of_steps - cloud.samples, 0.0, 1.0));
 }
@@ -522,15 +523,16 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.distance_m = fresh.distance_m > 0.0 ? fresh.distance_m : old.distance_m;
     } else {
         result = old;
-        /* What history counts for when a ray comes is asked then. */
-        result.samples = calm_turns() != 0u ? max(old.samples, count) : count;
+        /* What history counts for when a ray comes is asked then; what has had its rays keeps them while the view stands. */
+        bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || calm_turns() != 0u);
+        result.samples = stands ? max(count, min(old.samples, ceil(places_of_steps))) : count;
     }
     shown = result.light;
     if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
         /* As history itself is: see held. */
         vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
-        shown = evened(shown, evened_share * toothed(), old_pixel, stood_beside, low - slack, high + slack, ended);
+        shown = evened(shown, toothed(), old_pixel, stood_beside, low - slack, high + slack, ended);
     } else if (!moves || calm_turns() != 0u) {
         shown = shown_at_rest(result, old_pixel, ray, hit_m);
     }
