@@ -64,6 +64,7 @@ void daylight_compute(double sun_sine, const float illuminance_lx[3], bool atmos
     double mass = air_mass(elevation);
     double through = cloud_transmittance(cover);
     double open = open_sky(cover);
+    double aside = aside_share * open * (1 - through);
     double level = fmax(sun_sine, 0);
     for (int i = 0; i < 3; i++) {
         double top = (double)illuminance_lx[i];
@@ -71,7 +72,6 @@ void daylight_compute(double sun_sine, const float illuminance_lx[3], bool atmos
         double clear = atmosphere ? blue[i] * clear_sky_share(elevation) * top : 0;
         double total = sun * level + clear;
         out->sun_lx[i] = (float)(sun_sine > -0.01 ? sun : 0);
-        double aside = aside_share * open * (1 - fmax(through, open));
         out->sky_lx[i] = (float)(clear * open + total * (fmax(through - open, 0) + aside));
     }
 }

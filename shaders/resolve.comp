@@ -46,7 +46,9 @@ const float borrowed = 0.75;
  * clouds vary as much. */
 const float evened_share = 0.6, evened_rad = 1.2e-3;
 /* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
-const float places_of_steps = 3.97; /* four; strides lose some by filters */
+const float places_of_steps = 4.0;
+/* Strides lose so much of that by filters, at most. */
+const float filtered = 0.03;
 /* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
  * beside them, whatever that is. */
 const float shut = 0.01;
@@ -233,8 +235,11 @@ struct light_beside {
 vec4 excess_over(vec4 light, vec4 a, vec4 b) {
     return light - clamp(light, min(a, b), max(a, b));
 }
-vec4 more_of(vec4 a, vec4 b) {
-    return mix(a, b, lessThan(abs(a), abs(b)));
+/* How far it lies beyond both at its sides, or over and under it: the more of either. */
+vec4 excess_of(vec4 light, light_beside beside) {
+    vec4 across = excess_over(light, beside.left, beside.right);
+    vec4 along = excess_over(light, beside.over, beside.under);
+    return mix(across, along, lessThan(abs(across), abs(along)));
 }
 
 /* Light of a pixel of history, as far as this frame has seen the like of it (`low` to `high`); the pixel's own (`light`)
@@ -257,14 +262,14 @@ float toothed() {
 
 /* What is shown of a pixel that lies beyond both at its sides, or over and under it: rays step on by offsets of their own,
  * by which edges would be specked. What history holds is the ray's. */
-vec4 evened(vec4 light, float share, ivec2 cell, light_beside beside, vec4 low, vec4 high, bool ended) {
+vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bool ended) {
     ivec2 x = ivec2(1, 0);
     ivec2 y = ivec2(0, 1);
-    vec4 across = excess_over(light, light_at_side(cell - x, beside.left, light, low, high, ended),
-                              light_at_side(cell + x, beside.right, light, low, high, ended));
-    vec4 along = excess_over(light, light_at_side(cell - y, beside.over, light, low, high, ended),
-                             light_at_side(cell + y, beside.under, light, low, high, ended));
-    return light - share * more_of(across, along);
+    light_beside seen = light_beside(light_at_side(cell - x, beside.left, light, low, high, ended),
+                                     light_at_side(cell + x, beside.right, light, low, high, ended),
+                                     light_at_side(cell - y, beside.over, light, low, high, ended),
+                                     light_at_side(cell + y, beside.under, light, low, high, ended));
+    return light - toothed() * excess_of(light, seen);
 }
 
 /* History between its pixels, as a flow from cell to cell with limited slopes: edges stay as sharp as they are however
@@ -322,6 +327,11 @@ bool hides(vec4 light, float distance_m, float end_m) {
     return light.a < shut && alike_ratio * distance_m < end_m;
 }
 
+/* How far so many samples are from having stepped from all places, 0..1. */
+float waits(float samples) {
+    return clamp(places_of_steps - filtered - samples, 0.0, 1.0);
+}
+
 /* Of history beside a pixel of a view that stands; its own light where another thing is in sight there. */
 vec4 rests_beside(ivec2 there, cloud_pixel cloud, view_ray ray, float end_m) {
     there = clamp(there, ivec2(0), ivec2(view.size.xy) - 1);
@@ -345,15 +355,13 @@ vec4 rests_beside(ivec2 there, cloud_pixel cloud, view_ray ray, float end_m) {
  * newest ray shows, and edges have teeth when a pixel has seen them from all: see evened. */
 vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     float end_m = end_of(hit_m);
-    vec4 left = rests_beside(cell - ivec2(1, 0), cloud, ray, end_m);
-    vec4 right = rests_beside(cell + ivec2(1, 0), cloud, ray, end_m);
-    vec4 over = rests_beside(cell - ivec2(0, 1), cloud, ray, end_m);
-    vec4 under = rests_beside(cell + ivec2(0, 1), cloud, ray, end_m);
-    vec4 excess = more_of(excess_over(cloud.light, left, right), excess_over(cloud.light, over, under));
-    float drifts = clamp(places_of_steps - view.scale.w, 0.0, 1.0);
-    vec4 own = cloud.light - drifts * toothed() * excess;
-    vec4 mean = 0.5 * cloud.light + 0.125 * (left + right + over + under);
-    return mix(own, mean, clamp(places_of_steps - cloud.samples, 0.0, 1.0));
+    light_beside beside = light_beside(rests_beside(cell - ivec2(1, 0), cloud, ray, end_m),
+                                       rests_beside(cell + ivec2(1, 0), cloud, ray, end_m),
+                                       rests_beside(cell - ivec2(0, 1), cloud, ray, end_m),
+                                       rests_beside(cell + ivec2(0, 1), cloud, ray, end_m));
+    vec4 own = cloud.light - waits(view.scale.w) * toothed() * excess_of(cloud.light, beside);
+    vec4 mean = 0.5 * cloud.light + 0.125 * (beside.left + beside.right + beside.over + beside.under);
+    return mix(own, mean, waits(cloud.samples));
 }
 
 /* `hit_m`: the host's surface; below 0: none. `shown`: light and transmittance in the picture. */
@@ -525,14 +533,14 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result = old;
         /* What history counts for when a ray comes is asked then; what has had its rays keeps them while the view stands. */
         bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || calm_turns() != 0u);
-        result.samples = stands ? max(count, min(old.samples, ceil(places_of_steps))) : count;
+        result.samples = stands ? max(count, min(old.samples, places_of_steps)) : count;
     }
     shown = result.light;
     if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
         /* As history itself is: see held. */
         vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
-        shown = evened(shown, toothed(), old_pixel, stood_beside, low - slack, high + slack, ended);
+        shown = evened(shown, old_pixel, stood_beside, low - slack, high + slack, ended);
     } else if (!moves || calm_turns() != 0u) {
         shown = shown_at_rest(result, old_pixel, ray, hit_m);
     }

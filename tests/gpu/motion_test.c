@@ -302,9 +302,9 @@ static void views_that_stand_have_fewer_rays(void **state) {
 }
 
 typedef struct flown {
-    float light[FINE_PIXELS * 3], through[FINE_PIXELS * 3]; /* of the last frame */
-    double off, light_off; /* mean difference from rest: of transmittance; of light, relative */
-    uint32_t rays;         /* a frame */
+    float light[PIXELS * 3], through[PIXELS * 3]; /* of the last frame */
+    double off, light_off;                        /* mean difference from rest: of transmittance; of light, relative */
+    uint32_t rays;                                /* a frame */
 } flown;
 
 /* Under a field of cumulus, rising at 120 m/s. */
