@@ -7,6 +7,8 @@
 
 /* Samples that a pixel's history counts for at most while the picture moves. */
 #define MOVING_SAMPLES 3.0f
+/* And for so many rays of each pixel after it has stood under drifting cloud: from all places that rays step from. */
+#define MOVING_ROUNDS 4
 /* The same while it rests: always, and in a frame that is made otherwise than the one before, so that no jump shows
  * and the new way takes over. */
 #define RESTING_SAMPLES 1024.0f
@@ -147,6 +149,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     /* A progressive mean that moved pictures have gone into would keep them. */
     t.settles = next->has_moved && next->still >= past->rest;
     if (t.settles) {
+        next->has_stood = past->calm_turns != 0;
         next->rounds = 0;
         next->begun = past->counter;
         next->has_moved = false;
@@ -163,7 +166,10 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     const bool in_place =
         !t.has_depth && !plan_is_study(plan) && !other_plan && !plan->every_pixel && (is_kept || has_settled);
     t.way = in_place ? HISTORY_KEEPS : is_still || is_kept ? HISTORY_RESTS : HISTORY_MOVES;
-    t.samples = drifts || !is_still ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
+    /* A view that stood has seen the same cloud from the same place: what it has gives way ray by ray. */
+    t.forgets = t.settles && !next->has_stood;
+    const bool gives_way = next->has_stood && !next->has_moved && t.round < MOVING_ROUNDS;
+    t.samples = drifts || !is_still || gives_way ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;
     /* The rays of the frame before tell which. */

@@ -14,7 +14,9 @@ typedef enum history_way {
 } history_way;
 
 typedef struct history_turn {
-    bool anew, settles;
+    bool anew;
+    bool settles; /* the first frame in which nothing changes */
+    bool forgets; /* what history holds counts for nothing from then on */
     history_way way;
     float samples;  /* that a pixel's history counts for at most */
     bool has_depth; /* the host's, now or in the frame before; or air of its own */

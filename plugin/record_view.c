@@ -221,7 +221,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     const uint32_t size[4] = {f->width, f->height, f->x, f->y};
     const uint32_t march_size[4] = {(f->width + side.w - 1) / side.w, (f->height + side.h - 1) / side.h, side.w,
                                     counter};
-    uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) | (history->settles ? VELUM_VIEW_BLOCK_SETTLE : 0u) |
+    uint32_t flags = (anew ? VELUM_VIEW_BLOCK_CUT : 0u) | (history->forgets ? VELUM_VIEW_BLOCK_SETTLE : 0u) |
                      (f->flags & VELUM_VIEW_ORTHOGRAPHIC ? VELUM_VIEW_BLOCK_ORTHOGRAPHIC : 0u) |
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
