@@ -268,8 +268,8 @@ typedef struct view_history {
     uint32_t still;      /* frames in a row that showed the same */
     uint32_t rest;       /* so many are a rest: more than the host repeats a pose while it moves */
     bool has_moved;      /* some frame since then did not */
-    bool has_stood;      /* it came to rest from standing under drifting cloud */
     uint32_t stood;      /* frames in a row in which only cloud drifted, slowly */
+    uint32_t yields;     /* frames at rest in which what it had while it stood yet gives way */
     uint32_t calm_turns; /* of tiles of rays, in that frame: see history_turn */
 } view_history;
 

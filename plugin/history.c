@@ -7,8 +7,6 @@
 
 /* Samples that a pixel's history counts for at most while the picture moves. */
 #define MOVING_SAMPLES 3.0f
-/* And for so many rays of each pixel after it has stood under drifting cloud: from all places that rays step from. */
-#define MOVING_ROUNDS 4
 /* The same while it rests: always, and in a frame that is made otherwise than the one before, so that no jump shows
  * and the new way takes over. */
 #define RESTING_SAMPLES 1024.0f
@@ -22,6 +20,10 @@
 /* Of the plan's rays in every pixel before a view stands; pixels a frame that cloud may drift there. */
 #define STANDING_ROUNDS 3
 #define STANDING_PIXELS 0.5
+/* The same rays before little is left of what was seen before it stood; and at rest after it, while what was seen then
+ * gives way: in so many they have stepped from all their places. */
+#define STOOD_ROUNDS 6
+#define YIELDING_ROUNDS 4
 /* The longest such frame, and by how much the sun may turn in it, rad. */
 #define STANDING_FRAME_S 0.1
 #define STANDING_SUN 2e-5
@@ -120,6 +122,11 @@ static bool lags(const view *v, const camera *now, const velum_plan *plan, doubl
            pixels_s * fabs(now->time_s - past->time_s) < KEPT_PIXELS;
 }
 
+/* As many as in motion; in the last round up to all that it then has, so that the picture changes by and by. */
+static float yielding_samples(uint32_t frames_left, uint32_t ray_rate) {
+    return MOVING_SAMPLES + fmaxf(1.0f - (float)frames_left / (float)ray_rate, 0.0f);
+}
+
 static history_turn begin(const camera *now, const velum_plan *plan) {
     return (history_turn){
         .anew = true,
@@ -140,6 +147,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     next->still = is_still ? past->still + 1 : 0;
     next->stood = stands(v, now, drift) ? past->stood + 1 : 0;
     next->has_moved = past->has_moved || !is_still;
+    next->yields = is_still ? past->yields : 0;
     if (!is_still && past->still < REPEATS_MOST && past->still >= past->rest) {
         next->rest = past->still + 1;
     } else if (next->still >= REPEATS_MOST) {
@@ -149,8 +157,10 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     /* A progressive mean that moved pictures have gone into would keep them. */
     t.settles = next->has_moved && next->still >= past->rest;
     if (t.settles) {
-        next->has_stood = past->calm_turns != 0;
-        next->rounds = 0;
+        /* A view that stood has seen the same cloud from the same place: its rays go on where they were. */
+        const bool has_stood = past->calm_turns != 0 && past->stood >= STOOD_ROUNDS * plan->ray_rate;
+        next->yields = has_stood ? YIELDING_ROUNDS * plan->ray_rate : 0;
+        next->rounds = has_stood ? past->rounds + (past->counter - past->begun) / past->plan.ray_rate + 1 : 0;
         next->begun = past->counter;
         next->has_moved = false;
     } else if (plan->ray_rate != past->plan.ray_rate) {
@@ -166,10 +176,12 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     const bool in_place =
         !t.has_depth && !plan_is_study(plan) && !other_plan && !plan->every_pixel && (is_kept || has_settled);
     t.way = in_place ? HISTORY_KEEPS : is_still || is_kept ? HISTORY_RESTS : HISTORY_MOVES;
-    /* A view that stood has seen the same cloud from the same place: what it has gives way ray by ray. */
-    t.forgets = t.settles && !next->has_stood;
-    const bool gives_way = next->has_stood && !next->has_moved && t.round < MOVING_ROUNDS;
-    t.samples = drifts || !is_still || gives_way ? MOVING_SAMPLES : other_plan ? OTHER_PLAN_SAMPLES : RESTING_SAMPLES;
+    t.forgets = t.settles && next->yields == 0;
+    t.samples = drifts || !is_still ? MOVING_SAMPLES
+                : next->yields > 0  ? yielding_samples(next->yields, plan->ray_rate)
+                : other_plan        ? OTHER_PLAN_SAMPLES
+                                    : RESTING_SAMPLES;
+    next->yields -= next->yields > 0;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;
     /* The rays of the frame before tell which. */

@@ -164,6 +164,8 @@ static void commit_showers(fixture *f) {
     assert_int_equal(f->world_api->commit(f->world, &state, &f->state), VELUM_OK);
 }
 
+enum { PATHS = 2 };
+
 /* Cloud of noise, rain, air and ground; again, in two stages, and beside another view: the same bits. */
 static void pictures_repeat(void **state) {
     (void)state;
@@ -180,18 +182,18 @@ static void pictures_repeat(void **state) {
     }
     velum_view_frame camera = fixture_camera(position, ahead, north, 0.3f, 0.3f);
     camera.flags = VELUM_VIEW_GROUND;
-    render_until(&rig, &camera, position, true, 4, first);
-    render_until(&rig, &camera, position, true, 4, again);
+    render_until(&rig, &camera, position, true, PATHS, first);
+    render_until(&rig, &camera, position, true, PATHS, again);
     assert_memory_equal(first, again, sizeof first);
     render_until(&rig, &camera, position, true, 1, staged);
     assert_memory_not_equal(first, staged, sizeof first);
-    render_until(&rig, &camera, position, false, 4, staged);
+    render_until(&rig, &camera, position, false, PATHS, staged);
     assert_memory_equal(first, staged, sizeof first);
 
     velum_view *other = fixture_view(&rig.f, rig.eye, SLAB_SIDE, SLAB_SIDE);
     velum_view_frame both[2] = {camera, camera};
     both[0].tan_left = 0.1f;
-    both[0].path_limit = both[1].path_limit = 4;
+    both[0].path_limit = both[1].path_limit = PATHS;
     velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_EARTH);
     velum_eye_frame eye = {.struct_size = sizeof eye, .eye = rig.eye, .flags = VELUM_EYE_RESET};
     memcpy(eye.position_ecef_m, position, sizeof position);
@@ -205,7 +207,7 @@ static void pictures_repeat(void **state) {
                                    .height = SLAB_SIDE};
     }
     velum_view_stats stats = {.struct_size = sizeof stats};
-    for (int i = 0; i < 100000 && (i == 0 || stats.paths_per_pixel < 4); i++) {
+    for (int i = 0; i < 100000 && (i == 0 || stats.paths_per_pixel < PATHS); i++) {
         assert_int_equal(rig.f.standalone_api->render(rig.f.engine, &frame, &eye, 1, 0, pixels, 2, 0), VELUM_OK);
         assert_int_equal(rig.f.engine_api->get_stats(rig.view, &stats), VELUM_OK);
         eye.flags = 0;
