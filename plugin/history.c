@@ -20,13 +20,13 @@
 /* Of the plan's rays in every pixel before a view stands; pixels a frame that cloud may drift there. */
 #define STANDING_ROUNDS 3
 #define STANDING_PIXELS 0.5
-/* The same rays before little is left of what was seen before it stood; and at rest after it, while what was seen then
- * gives way: in so many they have stepped from all their places. */
-#define STOOD_ROUNDS 6
-#define YIELDING_ROUNDS 4
 /* The longest such frame, and by how much the sun may turn in it, rad. */
 #define STANDING_FRAME_S 0.1
 #define STANDING_SUN 2e-5
+/* Of the plan's rays in every pixel before little is left of what was seen before it stood; and at rest after it, while
+ * what was seen then gives way: in so many they have stepped from all their places. */
+#define STOOD_ROUNDS 6
+#define YIELDING_ROUNDS 4
 /* Pixels that cloud may drift there before history is moved after it. */
 #define KEPT_PIXELS 0.5
 /* Sine of the least elevation from which its drift is reckoned: that at which the round earth shows cloud 12 km over
@@ -155,20 +155,20 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     }
     const bool other_plan = !same_picture(&past->plan, plan);
     /* A progressive mean that moved pictures have gone into would keep them. */
-    t.settles = next->has_moved && next->still >= past->rest;
-    if (t.settles) {
-        /* A view that stood has seen the same cloud from the same place: its rays go on where they were. */
-        const bool has_stood = past->calm_turns != 0 && past->stood >= STOOD_ROUNDS * plan->ray_rate;
-        next->yields = has_stood ? YIELDING_ROUNDS * plan->ray_rate : 0;
-        next->rounds = has_stood ? past->rounds + (past->counter - past->begun) / past->plan.ray_rate + 1 : 0;
-        next->begun = past->counter;
-        next->has_moved = false;
-    } else if (plan->ray_rate != past->plan.ray_rate) {
+    const bool settles = next->has_moved && next->still >= past->rest;
+    if (settles || plan->ray_rate != past->plan.ray_rate) {
         next->rounds += (past->counter - past->begun + past->plan.ray_rate - 1) / past->plan.ray_rate;
         next->begun = past->counter;
     }
+    if (settles) {
+        /* A view that stood has seen the same cloud from the same place: its rays go on where they were. */
+        const bool has_stood = past->calm_turns != 0 && past->stood >= STOOD_ROUNDS * plan->ray_rate;
+        next->yields = has_stood ? YIELDING_ROUNDS * plan->ray_rate : 0;
+        next->rounds = has_stood ? next->rounds : 0;
+        next->has_moved = false;
+    }
     t.round = next->rounds + (past->counter - next->begun) / plan->ray_rate;
-    const bool drifts = next->stood >= STANDING_ROUNDS * plan->ray_rate && !t.settles && next->still < next->rest &&
+    const bool drifts = next->stood >= STANDING_ROUNDS * plan->ray_rate && !settles && next->still < next->rest &&
                         plan->standing_ray_rate > plan->ray_rate && !plan_is_study(plan);
     const bool is_kept = drifts && lags(v, now, plan, drift);
     const bool has_settled = is_still && !next->has_moved && past->counter - next->begun >= plan->ray_rate;
@@ -176,7 +176,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     const bool in_place =
         !t.has_depth && !plan_is_study(plan) && !other_plan && !plan->every_pixel && (is_kept || has_settled);
     t.way = in_place ? HISTORY_KEEPS : is_still || is_kept ? HISTORY_RESTS : HISTORY_MOVES;
-    t.forgets = t.settles && next->yields == 0;
+    t.forgets = settles && next->yields == 0;
     t.samples = drifts || !is_still ? MOVING_SAMPLES
                 : next->yields > 0  ? yielding_samples(next->yields, plan->ray_rate)
                 : other_plan        ? OTHER_PLAN_SAMPLES
@@ -188,7 +188,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     t.has_finer = t.way == HISTORY_MOVES && t.calm_turns == 0 && plan->finer_rays != 0 &&
                   plan->ray_rate >= FINER_RATE_LEAST && !plan_is_study(plan) && plan->ray_rate == past->plan.ray_rate;
     next->calm_turns = t.calm_turns;
-    next->time_s = t.way == HISTORY_MOVES || t.settles ? now->time_s : past->time_s;
+    next->time_s = t.way == HISTORY_MOVES || settles ? now->time_s : past->time_s;
     next->before = *now;
     next->plan = *plan;
     next->counter = past->counter + 1;

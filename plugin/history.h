@@ -15,7 +15,6 @@ typedef enum history_way {
 
 typedef struct history_turn {
     bool anew;
-    bool settles; /* the first frame in which nothing changes */
     bool forgets; /* what history holds counts for nothing from then on */
     history_way way;
     float samples;  /* that a pixel's history counts for at most */

@@ -71,9 +71,10 @@ static void draw(rig *r, double height_m, double climb_rad, const float jitter[2
 
 /* Mean difference of transmittance. */
 static double apart(const rig *r, const float *other) {
+    const uint32_t pixels = r->width * r->height;
     double sum = 0.0;
-    for (int i = 0; i < PIXELS; i++) {
-        sum += fabs((double)r->through[3 * i] - (double)other[3 * i]) / PIXELS;
+    for (uint32_t i = 0; i < pixels; i++) {
+        sum += fabs((double)r->through[3 * i] - (double)other[3 * i]) / pixels;
     }
     return sum;
 }
@@ -480,15 +481,6 @@ static double roughness(const rig *r) {
     return sum;
 }
 
-/* Mean difference of transmittance in a fine view. */
-static double fine_apart(const rig *r, const float *other) {
-    double sum = 0.0;
-    for (int i = 0; i < FINE_PIXELS; i++) {
-        sum += fabs((double)r->through[3 * i] - (double)other[3 * i]) / FINE_PIXELS;
-    }
-    return sum;
-}
-
 /* Once its pixels have had rays from all places, a view under drifting cloud shows edges nearly as sharp as they are at
  * rest, whether its history is kept in place or, where the host gives depth, written anew; so in a frame with another
  * plan; and from the frame on in which time stops, after which it comes to what it is at rest. */
@@ -518,7 +510,7 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
             memcpy(stopped, r.through, sizeof stopped);
             draw(&r, under_m, 0.5, steady, 0);
             least = fmin(least, roughness(&r));
-            leap = fmax(leap, fine_apart(&r, stopped));
+            leap = fmax(leap, apart(&r, stopped));
         }
         memcpy(stopped, r.through, sizeof stopped);
         for (uint32_t i = 0; i < AT_REST; i++) {
@@ -529,7 +521,7 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
         for (uint32_t i = 0; i < 4 * AT_REST; i++) {
             draw(&r, under_m, 0.5, steady, 0);
         }
-        const double off = fine_apart(&r, stopped), rested_off = fine_apart(&r, rested);
+        const double off = apart(&r, stopped), rested_off = apart(&r, rested);
         print_message("under drifting cloud: %.3f as rough as at rest, %.3f in a frame with another plan, %.3f or more "
                       "once time stops, changed by no more than %.5f in a frame, then off by %.5f (%.5f from a cut)\n",
                       drifting / resting, planned / resting, least / resting, leap, off, rested_off);
