@@ -62,7 +62,7 @@ static float lean_change(uint32_t slot, slopes change) {
         return velum_noise_of((int)slot).stretch *
                (2.0f * VELUM_TRAIL_M * change.kind_1_m + 3.0f * VELUM_TRAIL_MOST * change.height);
     case VELUM_SLOT_STORM: return VELUM_ANVIL_LAG_S * change.wind_1_s + 3.0f * VELUM_ANVIL_LAG_MOST * change.height;
-    default: return 0.0f;
+    default: return velum_turrets((int)slot) * change.height;
     }
 }
 
@@ -178,6 +178,13 @@ static void add_fields(uint32_t slot, const core_tile_slot *from, const size_t t
     /* Where coverage runs out, too: the fewer and smaller its clouds, the denser they are. */
     out->most[0] = fmaxf(out->most[0], effective_coverage(slot, f, p));
     out->most[1] = fmaxf(out->most[1], page_most_1_m(slot, f, p));
+    if (slot == VELUM_SLOT_CUMULUS) {
+        velum_slot_fields fewest = f;
+        for (uint32_t k = 0; k < 4; k++) {
+            fewest.coverage = fminf(fewest.coverage, core_texel_unit(from->a[texels[k] * 4]));
+        }
+        out->most[1] = fmaxf(out->most[1], page_most_1_m(slot, fewest, profile_of(slot, fewest)));
+    }
     out->most[2] = first ? p.reach : fminf(out->most[2], p.reach);
     out->most[3] = fmaxf(out->most[3], p.power);
     const float height[4] = {f.base_m, f.base_m, f.top_m, f.top_m};

@@ -27,7 +27,7 @@ const float layer_share = 0.15;
 /* However steep the ray, no shorter than this share of it, or than the shortest. */
 const float thin_share = 0.3;
 /* Of a layer's thickness, along a ray that comes in through its base; but no shorter than this share of the shortest. */
-const float foot_share = 0.02, foot_least = 0.25;
+const float foot_share = 0.015, foot_least = 0.25;
 /* Along a ray over tops, m a metre over them. */
 const float top_way = 0.25;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */

@@ -88,10 +88,10 @@ slot_tile slot_tile_at(const int slot, uint pages) {
     s.fade = VELUM_FADE_OTHERS * x.shape.y;
     s.steep = x.shape.z;
     s.bend = s.steep / max(x.height.z - x.height.y, 1.0);
-    /* What a storm covers depends on its anvil and its height, too. */
-    s.fade += slot == VELUM_SLOT_STORM
-                  ? x.most.x * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x + VELUM_FADE_BEND * s.bend)
-                  : 0.0;
+    /* What storms and cumulus cover depends on their height, too, and a storm's on its anvil. */
+    float beside = slot == VELUM_SLOT_STORM ? VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * x.shape.x : 0.0;
+    bool deepens = slot == VELUM_SLOT_STORM || slot == VELUM_SLOT_CUMULUS;
+    s.fade += deepens ? x.most.x * (beside + VELUM_FADE_BEND * s.bend) : 0.0;
     if (velum_mixes && a != b) {
         velum_page_bounds y = page_bounds[b == VELUM_PAGE_NONE ? a : b];
         x.most = vec4(max(x.most.x, y.most.x), max(x.most.y, y.most.y), min(x.most.z, y.most.z),

@@ -71,11 +71,10 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    -0.0218f, 0.9363f, -0.0185f, 0.0336f);
         t = kind;
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        a = velum_calibration_make(1400.0f, 1.3140f, 0.8649f, -0.1420f, -0.5128f, 1.1852f, 4.2961f, -0.0746f, -0.1960f,
-                                   0.4098f, 0.8676f, -0.0362f, 0.0837f);
-        b = velum_calibration_make(1400.0f, 1.3155f, 0.8753f, -0.1564f, -0.6184f, 1.4108f, 4.3933f, -0.0759f, -0.2468f,
-                                   0.5127f, 0.8943f, -0.0424f, 0.0948f);
-        t = kind;
+        a = velum_calibration_make(1400.0f, 1.2576f, 0.8546f, 0.0088f, -0.2578f, 0.4860f, 5.0162f, 0.0160f, -0.1984f,
+                                   0.1900f, 0.7962f, -0.0055f, 0.0285f);
+        b = a;
+        t = 0.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         a = velum_calibration_make(10600.0f, 0.7277f, 0.8821f, -0.2865f, -0.2319f, 0.1501f, 2.9194f, -0.0355f, -0.4812f,
                                    0.0979f, 0.9150f, 0.2980f, -0.2354f);

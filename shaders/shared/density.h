@@ -8,8 +8,8 @@
  * Coverage is exact by construction: with q the rank of the shape noise at the foot of the column, the column is
  * covered where q > 1 - c, and e = (q - 1 + c) / c is again uniform over the covered columns. Noise in three dimensions
  * only moves the boundary of a column that is covered already, so it cannot change coverage; the mean over e, height
- * and noise depends on the profile alone and is divided out (calibration.h). Columns that lean (storms, cirrus: see
- * velum_lean) have another rank at each height: of these coverage too is right by calibration. */
+ * and noise depends on the profile alone and is divided out (calibration.h). Columns that lean (of cumulus, storms and
+ * cirrus: velum_lean) have another rank at each height: of these coverage too is right by calibration. */
 #ifndef VELUM_DENSITY_H
 #define VELUM_DENSITY_H
 
@@ -53,6 +53,9 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
     if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
+    } else if (slot == VELUM_SLOT_CUMULUS) {
+        n.lump_period_m = 1500.0f;
+        n.fine_period_m = 350.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         n.shape_period_m = 54000.0f;
         n.lump_period_m = 9000.0f;
@@ -115,8 +118,13 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* Of a storm: for how long the wind has carried its anvil, no farther than so many thicknesses. */
 #define VELUM_ANVIL_LAG_S 150.0f
 #define VELUM_ANVIL_LAG_MOST 0.3f
-/* Of a storm's noise, how far it changes with height, m a metre: towers have turrets, not flutes. */
-#define VELUM_TURRETS 0.3f
+/* How far a column's noise changes with height, m a metre: towers have turrets, not flutes; cumulus bulge and lean
+ * in. */
+#define VELUM_STORM_TURRETS 0.3f
+#define VELUM_CUMULUS_TURRETS 0.2f
+VELUM_FN float velum_turrets(int slot) {
+    return slot == VELUM_SLOT_STORM ? VELUM_STORM_TURRETS : slot == VELUM_SLOT_CUMULUS ? VELUM_CUMULUS_TURRETS : 0.0f;
+}
 
 /* How fibrous: 1 cirrus; 0 cirrostratus and cirrocumulus. */
 VELUM_FN float velum_fibrous(int slot, float kind) {
@@ -165,6 +173,29 @@ VELUM_FN float velum_storm_feet(float coverage, float thickness_m) {
     return VELUM_POW(2.0f * VELUM_MAX(coverage, 0.02f), power) * (1.0f + 4.3f * power * many * many);
 }
 
+/* Of cumulus, m: thickness from which it is told how what they take changes with that. */
+#define VELUM_CUMULUS_THICKNESS_M 1400.0f
+
+/* The deeper and the fewer cumulus are, the more they bulge over their feet; the fewer, the more lumps carve off; as
+ * they close, shallow ones leave holes and deep ones have bulged less. Over what they have at half cover and that
+ * thickness; fitted to what velum-calibrate finds from 0.05 of cover to all, 350 m to 4 km deep. */
+VELUM_FN velum_calibration velum_cumulus_factors(float coverage, float thickness_m) {
+    float o = velum_clamp(VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_CUMULUS_THICKNESS_M), -2.0f, 1.5f);
+    float x = VELUM_MIN(coverage, 0.75f) - 0.5f;
+    float t = velum_overcast(coverage);
+    float holes = VELUM_MAX(-o, 0.0f) * t * t * t;
+    float bulges = VELUM_MAX(o, 0.0f) * t * (1.0f - 0.6f * t);
+    float water = 1.0f - 0.0358f * o +
+                  x * (0.0962f * o - 1.0464f + x * (0.4390f - 0.1139f * o + 0.3841f * x));
+    velum_calibration c;
+    c.coverage = 1.0f - o * (0.1828f + o * (0.0231f + 0.0066f * o)) +
+                 x * (o * (0.3072f - 0.0202f * o) - 0.0400f - x * (0.0772f + 0.0286f * o - 0.4941f * x));
+    c.coverage = c.coverage * (1.0f + 0.1f * holes) * (1.0f + 0.14f * bulges);
+    c.density = water * (1.0f + 0.055f * holes) / c.coverage;
+    c.reach = 1.0f - o * (0.0307f + 0.0058f * o) + x * (0.1959f + 0.0704f * o);
+    return c;
+}
+
 /* Of velum_profile.stem: of a storm in a field of them, and towards the edge of one. */
 #define VELUM_STEM 0.15f
 #define VELUM_STEM_EDGE 1.3f
@@ -179,8 +210,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                 velum_profile_make(0.85f, 1.6f, 0.45f, 0.25f, 0.25f, 0.0f, 0.1f, 0.7f, 60.0f), kind);
         p.rim = velum_mix(3.0f, 1.0f, kind);
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        p = velum_profile_blend(velum_profile_make(0.88f, 2.2f, 0.60f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f),
-                                velum_profile_make(0.85f, 2.4f, 0.65f, 0.05f, 0.40f, 0.0f, 0.0f, 0.8f, 25.0f), kind);
+        /* The fewer they are the steeper e rises from their edges, and the more of it lumps must carve to be seen. */
+        float crowd = velum_clamp((fields.coverage - 0.1f) / 0.7f, 0.0f, 1.0f);
+        p = velum_profile_make(0.95f, 1.5f, velum_mix(0.80f, 0.40f, crowd), 0.05f, velum_mix(0.50f, 0.28f, crowd), 0.0f,
+                               0.0f, 0.8f, 25.0f);
         p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
         /* Towers under an anvil, which alone is left at the edge of a storm; an overcast is all towers. */
@@ -230,6 +263,12 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.coverage_scale = p.coverage_scale * heads;
         p.density_scale = p.density_scale * velum_mix(1.0f, 0.909f + c * (0.255f - 0.147f * c), fibrous) / heads;
         p.reach = p.reach * VELUM_MIN(0.85f + 0.15f * heads, 1.0f); /* there are as many tops as ever */
+    }
+    if (slot == VELUM_SLOT_CUMULUS) {
+        velum_calibration of = velum_cumulus_factors(fields.coverage, thickness_m);
+        p.coverage_scale = p.coverage_scale * of.coverage;
+        p.density_scale = p.density_scale * of.density;
+        p.reach = p.reach * of.reach;
     }
     if (slot == VELUM_SLOT_STORM) {
         float feet = velum_storm_feet(fields.coverage, thickness_m) / (1.0f + velum_beside(fields));

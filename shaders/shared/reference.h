@@ -54,7 +54,7 @@ VELUM_STRUCT(velum_page_bounds) {
 
 /* What else changes with coverage, where effective coverage does: so many times as fast, both. */
 #define VELUM_FADE_OTHERS 2.0f
-/* Effective coverage of a storm, over a change of its height by all of its thickness. */
+/* Effective coverage of a storm, or of cumulus, over a change of its height by all of its thickness. */
 #define VELUM_FADE_BEND 1.7f
 /* Of a storm's margin, over a change of coverage or of kind with what else does (VELUM_FADE_OTHERS): its stem and what
  * ice takes from what is carved off change by less than 3.8 with the one, as an overcast opens, and 1.9 with the other.

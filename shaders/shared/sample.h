@@ -94,29 +94,31 @@ VELUM_FN float velum_trail_reach_m(int slot, velum_slot_fields f) {
 
 /* Of velum_lean, m over a metre of height, at most. */
 VELUM_FN float velum_lean_slope(int slot, velum_slot_fields f) {
-    return slot == VELUM_SLOT_STORM ? 2.0f * VELUM_ANVIL_LAG_MOST + VELUM_TURRETS
-                                    : 2.0f * velum_trail_reach_m(slot, f) / VELUM_MAX(f.top_m - f.base_m, 1.0f);
+    float trail_m = velum_trail_reach_m(slot, f);
+    return slot == VELUM_SLOT_STORM ? 2.0f * VELUM_ANVIL_LAG_MOST + VELUM_STORM_TURRETS
+                                    : velum_turrets(slot) + 2.0f * trail_m / VELUM_MAX(f.top_m - f.base_m, 1.0f);
 }
 
-/* Where else than over its foot a column's noise is looked up at a height, m. Ice that falls out of cirrus is left
- * behind to the west, by the wind that grows with height, on a parabola (Marshall 1953). The wind bends storms, anvils
- * most. */
+/* Where else than over its foot a column's noise is looked up at a height, m: cumulus have it from their base. Ice that
+ * falls out of cirrus is left behind to the west, by the wind that grows with height, on a parabola (Marshall 1953).
+ * The wind bends storms, anvils most. */
 VELUM_FN velum_noise_point velum_lean(int slot, velum_slot_fields f, float height_m, float normal_x, float normal_y,
                                       float normal_z) {
     float thickness_m = VELUM_MAX(f.top_m - f.base_m, 1.0f);
     float depth = velum_clamp((f.top_m - height_m) / thickness_m, 0.0f, 1.0f);
+    float turned_m = velum_turrets(slot) * (slot == VELUM_SLOT_STORM ? height_m : VELUM_MAX(height_m - f.base_m, 0.0f));
     velum_noise_point p;
     if (slot == VELUM_SLOT_STORM) {
         float lag_s = velum_anvil_lag_s(f) * (1.0f - depth) * (1.0f - depth);
-        p.x = VELUM_TURRETS * height_m * normal_x - f.wind_x_m_s * lag_s;
-        p.y = VELUM_TURRETS * height_m * normal_y - f.wind_y_m_s * lag_s;
-        p.z = VELUM_TURRETS * height_m * normal_z - f.wind_z_m_s * lag_s;
+        p.x = turned_m * normal_x - f.wind_x_m_s * lag_s;
+        p.y = turned_m * normal_y - f.wind_y_m_s * lag_s;
+        p.z = turned_m * normal_z - f.wind_z_m_s * lag_s;
     } else {
         float east = VELUM_MAX(VELUM_SQRT(normal_x * normal_x + normal_y * normal_y), 2.0e-3f);
         float scale = velum_trail_reach_m(slot, f) * depth * depth / east;
-        p.x = -normal_y * scale;
-        p.y = normal_x * scale;
-        p.z = 0.0f;
+        p.x = turned_m * normal_x - normal_y * scale;
+        p.y = turned_m * normal_y + normal_x * scale;
+        p.z = turned_m * normal_z;
     }
     return p;
 }

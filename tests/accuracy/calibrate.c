@@ -21,7 +21,7 @@ velum_calibration trial_calibration = {1.0f, 1.0f, 1.0f};
 #define CUT_SHARE 0.02f
 #define OVERCAST 0.993
 
-enum { KINDS = 11 };
+enum { KINDS = 10 };
 
 typedef struct kind_knot {
     const char *name;
@@ -202,6 +202,11 @@ static void write_pair(FILE *file, const char *indent, const row *a, const row *
     fprintf(file, "%st = %s;\n", indent, t);
 }
 
+static void write_one(FILE *file, const row *a) {
+    write_row(file, "        ", "a = ", a, ";");
+    fputs("        b = a;\n        t = 0.0f;\n", file);
+}
+
 static void write_table(FILE *file, const row rows[KINDS]) {
     fputs(head, file);
     fputs("VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float coverage, float thickness_m,\n"
@@ -211,18 +216,17 @@ static void write_table(FILE *file, const row rows[KINDS]) {
     fputs("    if (slot == VELUM_SLOT_LOW || slot == VELUM_SLOT_LOW_2) {\n", file);
     write_pair(file, "        ", &rows[0], &rows[1], "kind");
     fputs("    } else if (slot == VELUM_SLOT_CUMULUS) {\n", file);
-    write_pair(file, "        ", &rows[2], &rows[3], "kind");
+    write_one(file, &rows[2]);
     fputs("    } else if (slot == VELUM_SLOT_STORM) {\n", file);
-    write_row(file, "        ", "a = ", &rows[4], ";");
-    fputs("        b = a;\n        t = 0.0f;\n", file);
+    write_one(file, &rows[3]);
     fputs("    } else if (slot == VELUM_SLOT_MIDDLE) {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[5], &rows[6], "2.0f * kind");
+    write_pair(file, "            ", &rows[4], &rows[5], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[6], &rows[7], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[5], &rows[6], "2.0f * kind - 1.0f");
     fputs("        }\n    } else {\n        if (kind < 0.5f) {\n", file);
-    write_pair(file, "            ", &rows[8], &rows[9], "2.0f * kind");
+    write_pair(file, "            ", &rows[7], &rows[8], "2.0f * kind");
     fputs("        } else {\n", file);
-    write_pair(file, "            ", &rows[9], &rows[10], "2.0f * kind - 1.0f");
+    write_pair(file, "            ", &rows[8], &rows[9], "2.0f * kind - 1.0f");
     fputs("        }\n    }\n"
           "    return velum_calibration_mix(velum_calibration_from(a, coverage, thickness_m, optical_depth),\n"
           "                                 velum_calibration_from(b, coverage, thickness_m, optical_depth), t);\n"
@@ -254,12 +258,11 @@ int main(int argc, char **argv) {
         return 2;
     }
     const kind_knot knots[KINDS] = {
-        {"St", VELUM_SLOT_LOW, 0.0f, &column_cases[0]},      {"Sc", VELUM_SLOT_LOW, 1.0f, &column_cases[1]},
-        {"Cu0", VELUM_SLOT_CUMULUS, 0.0f, &column_cases[2]}, {"Cu1", VELUM_SLOT_CUMULUS, 1.0f, &column_cases[2]},
-        {"Cb", VELUM_SLOT_STORM, 1.0f, &column_cases[3]},    {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},
-        {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},   {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},
-        {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},     {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},
-        {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
+        {"St", VELUM_SLOT_LOW, 0.0f, &column_cases[0]},     {"Sc", VELUM_SLOT_LOW, 1.0f, &column_cases[1]},
+        {"Cu", VELUM_SLOT_CUMULUS, 0.0f, &column_cases[2]}, {"Cb", VELUM_SLOT_STORM, 1.0f, &column_cases[3]},
+        {"As", VELUM_SLOT_MIDDLE, 0.0f, &column_cases[4]},  {"Ns", VELUM_SLOT_MIDDLE, 0.5f, &column_cases[5]},
+        {"Ac", VELUM_SLOT_MIDDLE, 1.0f, &column_cases[6]},  {"Cs", VELUM_SLOT_HIGH, 0.0f, &column_cases[7]},
+        {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},    {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
     };
     row rows[KINDS];
     core_noise *noise = core_noise_create();

@@ -10,7 +10,7 @@
 const column_case column_cases[COLUMN_CASES] = {
     {"St", VELUM_SLOT_LOW, VELUM_KIND_ST, 300.0f, 800.0f, 0.060f, 0.0f},
     {"Sc", VELUM_SLOT_LOW, VELUM_KIND_SC, 900.0f, 1500.0f, 0.045f, 0.0f},
-    {"Cu", VELUM_SLOT_CUMULUS, 0.5f, 1000.0f, 2400.0f, 0.050f, 0.0f},
+    {"Cu", VELUM_SLOT_CUMULUS, 0.0f, 1000.0f, 2400.0f, 0.050f, 0.0f},
     {"Cb", VELUM_SLOT_STORM, VELUM_KIND_CB, 900.0f, 11500.0f, 0.060f, 0.0f},
     {"As", VELUM_SLOT_MIDDLE, VELUM_KIND_AS, 3500.0f, 5500.0f, 0.010f, 0.0f},
     {"Ns", VELUM_SLOT_MIDDLE, VELUM_KIND_NS, 800.0f, 5000.0f, 0.030f, 0.0f},

@@ -83,7 +83,7 @@ static velum_line_answer along(const fixture *f, const picture *p, const double 
 
 /* The picture's mean distance, from the query: pieces of the line weighted by the light that they take. */
 static double mean_distance_m(const fixture *f, const picture *p, const double unit[3], double begin_m, double end_m) {
-    const double piece_m = 40.0;
+    const double piece_m = 10.0;
     double through = 1.0;
     double weighted = 0.0;
     for (double t = begin_m; t < end_m && through > 1e-3; t += piece_m) {
@@ -154,6 +154,7 @@ static void first_contact(void **state) {
         }
         look(&f, 300.0, 50.0, 0.5f, end_m, &beyond);
         int contacts = 0;
+        int owed = 0;
         int met = 0;
         int passed_over = 0;
         double worst = 0.0;
@@ -169,7 +170,10 @@ static void first_contact(void **state) {
             pixel_direction(&whole, i % WIDTH, i / WIDTH, unit);
             const velum_line_answer a = along(&f, &whole, unit, 0.0, (double)end_m[i]);
             contacts++;
-            met += beyond.transmittance[3 * i] < 0.99f;
+            if (a.transmittance < 0.98) {
+                owed++;
+                met += beyond.transmittance[3 * i] < 0.99f;
+            }
             worst = fmax(worst, 1.0 - (double)before.transmittance[3 * i]);
             worst_beyond = fmax(worst_beyond, fabs(a.transmittance - (double)beyond.transmittance[3 * i]));
             /* Steps may pass over a sliver: then the picture shows no cloud, and no distance. */
@@ -185,12 +189,15 @@ static void first_contact(void **state) {
             worst_m = fmax(worst_m, fabs((double)(whole.distance[i] - contact_m[i])));
             least_m = fmin(least_m, (double)(whole.distance[i] - contact_m[i]));
         }
-        print_message("%s: %d contacts: 1 m before %.5f is lost; %g m beyond: %d lose 1 %%, transmittance within %.5f; "
+        print_message("%s: %d contacts: 1 m before %.5f is lost; %g m beyond: %d of %d lose 1 %%, transmittance within "
+                      "%.5f; "
                       "distance less contact from %.2f m, at most %.2f m\n",
-                      is_dense ? "dense layer" : "Cu", contacts, worst, further_m, met, worst_beyond, least_m, worst_m);
+                      is_dense ? "dense layer" : "Cu", contacts, worst, further_m, met, owed, worst_beyond, least_m,
+                      worst_m);
         assert_true(contacts > PIXELS / 10);
         assert_true(worst <= 0.002);
-        assert_true(met >= contacts * 95 / 100);
+        assert_true(owed > contacts / 2);
+        assert_true(met >= owed * 99 / 100);
         assert_true(passed_over <= (is_dense ? 0 : contacts / 100));
         /* Steps of 35 m sample a cloud's rim; history keeps distance in 16 bits. */
         assert_true(worst_beyond <= (is_dense ? 1e-3 : 0.06));
@@ -277,7 +284,7 @@ static void thin_cloud(void **state) {
         assert_true(fabs(found[i].bias) <= 0.01);
         assert_true(found[i].p95 <= (is_rim ? 0.03 : 0.005));
         assert_true(found[i].worst <= (is_rim ? 0.05 : 0.01));
-        assert_true(found[i].p95_m <= 10.0);
+        assert_true(found[i].p95_m <= 5.0);
     }
 }
 

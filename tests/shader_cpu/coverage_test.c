@@ -55,9 +55,9 @@ static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
         for (int o = 0; o < 5; o++) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
-            /* Fibres at random places: a column in eight that is cloud, as deep as it may be. */
-            const int columns =
-                column_cases[k].kind == VELUM_KIND_CI && column_cases[k].slot == VELUM_SLOT_HIGH ? 16000 : 4000;
+            /* Of columns that lean, which are taken at random places, one in eight is cloud, and as deep as it may be. */
+            const bool fibres = column_cases[k].kind == VELUM_KIND_CI && column_cases[k].slot == VELUM_SLOT_HIGH;
+            const int columns = fibres || column_cases[k].slot == VELUM_SLOT_CUMULUS ? 16000 : 4000;
             assert_true(columns_measure_anywhere(*state, &column_cases[k], coverage, columns, 48, &s));
             const bool good = fabs(s.coverage - (double)coverage) < 0.012 && fabs(s.water - 1.0) < 0.03 &&
                               fabs(s.base_error_m) < 10.0 && fabs(s.top_error_m) < 10.0;
@@ -92,6 +92,31 @@ static void storms_in_wind_hold_what_was_asked_for(void **state) {
             assert_true(good);
         }
     }
+}
+
+/* From the smallest heaps to towers. */
+static void cumulus_of_any_depth_hold_what_was_asked_for(void **state) {
+    static const float depths_m[] = {350.0f, 700.0f, 2800.0f, 4000.0f};
+    column_case cumulus = column_cases[2];
+    bool ok = true;
+    assert_int_equal(cumulus.slot, VELUM_SLOT_CUMULUS);
+    const float depth = cumulus.extinction_1_m * (cumulus.top_m - cumulus.base_m);
+    for (size_t k = 0; k < sizeof depths_m / sizeof depths_m[0]; k++) {
+        cumulus.top_m = cumulus.base_m + depths_m[k];
+        cumulus.extinction_1_m = depth / depths_m[k];
+        for (int o = 0; o < 5; o++) {
+            const float coverage = (float)oktas[o] / 8.0f;
+            column_stats s;
+            assert_true(columns_measure_anywhere(*state, &cumulus, coverage, 12000, 48, &s));
+            const bool good = fabs(s.coverage - (double)coverage) < 0.02 && fabs(s.water - 1.0) < 0.05;
+            if (!good) {
+                print_message("%g m deep, %d oktas: coverage %.4f, water %.3f\n", (double)depths_m[k], oktas[o],
+                              s.coverage, s.water);
+            }
+            ok = ok && good;
+        }
+    }
+    assert_true(ok);
 }
 
 /* Layers other than the usual ones: half and twice as thick, a fifth of and five times the water. */
@@ -134,6 +159,7 @@ int main(void) {
         cmocka_unit_test(water_below_is_the_integral_of_water),
         cmocka_unit_test(noise_as_a_whole_holds_what_was_asked_for),
         cmocka_unit_test(storms_in_wind_hold_what_was_asked_for),
+        cmocka_unit_test(cumulus_of_any_depth_hold_what_was_asked_for),
         cmocka_unit_test(other_layers_hold_what_was_asked_for),
         cmocka_unit_test(squares_hold_what_was_asked_for),
     };

@@ -121,7 +121,10 @@ static float direct_extinction(const fixture *f, const core_drift *drift, double
     const velum_slot_noise noise = velum_noise_of(slot);
     double foot[3];
     double point[3];
-    point_at(lat_deg, lon_deg, 0.0, foot);
+    /* Columns turn with height over their base. */
+    const float base_m = velum_texel_height_m(stored(velum_texel_from_height(layer.base_m)));
+    const double over_base_m = fmax(height_m - (double)base_m, 0.0);
+    point_at(lat_deg, lon_deg, (double)velum_turrets(slot) * over_base_m, foot);
     point_at(lat_deg, lon_deg, height_m, point);
     float value[3][2];
     for (int kind = 0; kind < 3; kind++) {
@@ -149,7 +152,7 @@ static float direct_extinction(const fixture *f, const core_drift *drift, double
     }
     const float w = drift->weight[1];
     velum_slot_fields fields = {.coverage = stored(layer.coverage),
-                                .base_m = velum_texel_height_m(stored(velum_texel_from_height(layer.base_m))),
+                                .base_m = base_m,
                                 .top_m = velum_texel_height_m(stored(velum_texel_from_height(layer.top_m))),
                                 .extinction_1_m = velum_texel_extinction_1_m(
                                     stored(velum_texel_from_extinction(3.0f * 0.3f / (2.0f * 1e6f * 10e-6f)))),

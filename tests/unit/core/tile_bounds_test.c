@@ -102,10 +102,10 @@ static void fade(const core_tile *tile, uint32_t slot, const velum_page_bounds *
     }
     const float cover = fminf(a.coverage * p.coverage_scale, b.coverage * q.coverage_scale);
     float fade_1_m = VELUM_FADE_OTHERS * bounds->shape[1];
-    if (slot == VELUM_SLOT_STORM) {
+    if (slot == VELUM_SLOT_STORM || slot == VELUM_SLOT_CUMULUS) {
         const float bend = bounds->shape[2] / fmaxf(bounds->height[2] - bounds->height[1], 1.0f);
-        fade_1_m +=
-            bounds->most[0] * (VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * bounds->shape[0] + VELUM_FADE_BEND * bend);
+        const float beside = slot == VELUM_SLOT_STORM ? VELUM_BESIDE_1_M * VELUM_ANVIL_LAG_S * bounds->shape[0] : 0.0f;
+        fade_1_m += bounds->most[0] * (beside + VELUM_FADE_BEND * bend);
     }
     const float storm_edge = slot == VELUM_SLOT_STORM ? VELUM_STORM_EDGE : 0.0f;
     const float change = fabsf(velum_margin(p, e, z, lump, fine) - velum_margin(q, there, z, lump, fine));
