@@ -226,7 +226,9 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
         way.depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
         float there = velum_margin(hit.profile, e, z, lump, 0.5);
         float falls_1_m = (here - there) / max(t, 1.0);
-        way.falls_1_m = i == 0 || t < face_m ? falls_1_m : way.falls_1_m;
+        /* Lengths of steps go by height alone: one that came or went at once would draw a line at a height. */
+        float counts = i == 0 ? 1.0 : smoothstep(1.3 * face_m, 0.7 * face_m, t);
+        way.falls_1_m = mix(way.falls_1_m, falls_1_m, counts);
         way.falls_near_1_m = i == 0 ? falls_1_m : way.falls_near_1_m;
         done += dt;
         dt *= ratio;
@@ -269,12 +271,12 @@ const float lee_share = 0.143;
 const float sky_share = 1.11;
 /* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
  * shadow; of a deck without gaps. */
-const float lump_face = 0.59, lump_low = 0.484;
+const float lump_face = 0.6, lump_low = 0.484;
 const float deck_face = 0.391, deck_tilt = 0.251;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
 const float near_face = 0.252, near_share = 0.0357;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
-const float wall_share = 0.634;
+const float wall_share = 0.70;
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */

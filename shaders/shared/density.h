@@ -122,6 +122,8 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
  * in. */
 #define VELUM_STORM_TURRETS 0.3f
 #define VELUM_CUMULUS_TURRETS 0.2f
+/* Of cumulus, up to so high over the base, m: beyond, as much would lie beside as over their feet. */
+#define VELUM_CUMULUS_TURNS_M 4000.0f
 VELUM_FN float velum_turrets(int slot) {
     return slot == VELUM_SLOT_STORM ? VELUM_STORM_TURRETS : slot == VELUM_SLOT_CUMULUS ? VELUM_CUMULUS_TURRETS : 0.0f;
 }
@@ -178,9 +180,11 @@ VELUM_FN float velum_storm_feet(float coverage, float thickness_m) {
 
 /* The deeper and the fewer cumulus are, the more they bulge over their feet; the fewer, the more lumps carve off; as
  * they close, shallow ones leave holes and deep ones have bulged less. Over what they have at half cover and that
- * thickness; fitted to what velum-calibrate finds from 0.05 of cover to all, 350 m to 4 km deep. */
+ * thickness; fitted to what velum-calibrate finds from 0.05 of cover to all, 350 m to 10 km deep. */
 VELUM_FN velum_calibration velum_cumulus_factors(float coverage, float thickness_m) {
-    float o = velum_clamp(VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_CUMULUS_THICKNESS_M), -2.0f, 1.5f);
+    float octaves = VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_CUMULUS_THICKNESS_M);
+    float o = velum_clamp(octaves, -2.0f, 1.5f);
+    float beyond = velum_clamp(octaves - 1.5f, 0.0f, 1.5f);
     float x = VELUM_MIN(coverage, 0.75f) - 0.5f;
     float t = velum_overcast(coverage);
     float holes = VELUM_MAX(-o, 0.0f) * t * t * t;
@@ -191,6 +195,7 @@ VELUM_FN velum_calibration velum_cumulus_factors(float coverage, float thickness
     c.coverage = 1.0f - o * (0.1828f + o * (0.0231f + 0.0066f * o)) +
                  x * (o * (0.3072f - 0.0202f * o) - 0.0400f - x * (0.0772f + 0.0286f * o - 0.4941f * x));
     c.coverage = c.coverage * (1.0f + 0.1f * holes) * (1.0f + 0.14f * bulges);
+    c.coverage = c.coverage * (1.0f - beyond * (0.26f - 0.068f * beyond) * (1.0f - 0.6f * t));
     c.density = water * (1.0f + 0.055f * holes) / c.coverage;
     c.reach = 1.0f - o * (0.0307f + 0.0058f * o) + x * (0.1959f + 0.0704f * o);
     return c;

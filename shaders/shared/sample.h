@@ -106,7 +106,8 @@ VELUM_FN velum_noise_point velum_lean(int slot, velum_slot_fields f, float heigh
                                       float normal_z) {
     float thickness_m = VELUM_MAX(f.top_m - f.base_m, 1.0f);
     float depth = velum_clamp((f.top_m - height_m) / thickness_m, 0.0f, 1.0f);
-    float turned_m = velum_turrets(slot) * (slot == VELUM_SLOT_STORM ? height_m : VELUM_MAX(height_m - f.base_m, 0.0f));
+    float over_m = VELUM_MIN(VELUM_MAX(height_m - f.base_m, 0.0f), VELUM_CUMULUS_TURNS_M);
+    float turned_m = velum_turrets(slot) * (slot == VELUM_SLOT_STORM ? height_m : over_m);
     velum_noise_point p;
     if (slot == VELUM_SLOT_STORM) {
         float lag_s = velum_anvil_lag_s(f) * (1.0f - depth) * (1.0f - depth);

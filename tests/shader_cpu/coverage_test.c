@@ -55,7 +55,8 @@ static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
         for (int o = 0; o < 5; o++) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
-            /* Of columns that lean, which are taken at random places, one in eight is cloud, and as deep as it may be. */
+            /* Of columns that lean, which are taken at random places, one in eight is cloud, and as deep as it may be.
+             */
             const bool fibres = column_cases[k].kind == VELUM_KIND_CI && column_cases[k].slot == VELUM_SLOT_HIGH;
             const int columns = fibres || column_cases[k].slot == VELUM_SLOT_CUMULUS ? 16000 : 4000;
             assert_true(columns_measure_anywhere(*state, &column_cases[k], coverage, columns, 48, &s));
@@ -96,7 +97,7 @@ static void storms_in_wind_hold_what_was_asked_for(void **state) {
 
 /* From the smallest heaps to towers. */
 static void cumulus_of_any_depth_hold_what_was_asked_for(void **state) {
-    static const float depths_m[] = {350.0f, 700.0f, 2800.0f, 4000.0f};
+    static const float depths_m[] = {350.0f, 700.0f, 2800.0f, 4000.0f, 6500.0f, 10000.0f};
     column_case cumulus = column_cases[2];
     bool ok = true;
     assert_int_equal(cumulus.slot, VELUM_SLOT_CUMULUS);
