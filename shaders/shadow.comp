@@ -41,7 +41,7 @@ sun_way way_through(vec3 plane, vec3 to_sun, velum_span ground, vec2 heights_m) 
 
 /* As many steps as the texel can show, and enough for the layer's depth. */
 float step_through_m(float way_m) {
-    return max(way_m / clamp(ceil(way_m / (1.5 * level.axis_u.w)), 16.0, most_steps), 1.0);
+    return max(way_m / clamp(ceil(way_m / (1.5 * level.axis_u.w)), 24.0, most_steps), 1.0);
 }
 
 /* What a step is to do about the heights between which its part of a tile has a layer. */
