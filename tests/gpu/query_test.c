@@ -190,8 +190,7 @@ static void first_contact(void **state) {
             least_m = fmin(least_m, (double)(whole.distance[i] - contact_m[i]));
         }
         print_message("%s: %d contacts: 1 m before %.5f is lost; %g m beyond: %d of %d lose 1 %%, transmittance within "
-                      "%.5f; "
-                      "distance less contact from %.2f m, at most %.2f m\n",
+                      "%.5f; distance less contact from %.2f m, at most %.2f m\n",
                       is_dense ? "dense layer" : "Cu", contacts, worst, further_m, met, owed, worst_beyond, least_m,
                       worst_m);
         assert_true(contacts > PIXELS / 10);
