@@ -71,8 +71,8 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
                                    -0.0218f, 0.9363f, -0.0185f, 0.0336f);
         t = kind;
     } else if (slot == VELUM_SLOT_CUMULUS) {
-        a = velum_calibration_make(1400.0f, 1.2576f, 0.8546f, 0.0088f, -0.2578f, 0.4860f, 5.0162f, 0.0160f, -0.1984f,
-                                   0.1900f, 0.7962f, -0.0055f, 0.0285f);
+        a = velum_calibration_make(1400.0f, 1.2853f, 0.8752f, 0.0074f, -0.2333f, 0.4375f, 5.7877f, 0.0198f, -0.1484f,
+                                   0.1647f, 0.8210f, -0.0325f, 0.0448f);
         b = a;
         t = 0.0f;
     } else if (slot == VELUM_SLOT_STORM) {

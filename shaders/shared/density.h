@@ -54,6 +54,7 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.shape_period_m = 8000.0f;
         n.lump_period_m = 2900.0f;
     } else if (slot == VELUM_SLOT_CUMULUS) {
+        n.shape_period_m = 14000.0f;
         n.lump_period_m = 1500.0f;
         n.fine_period_m = 350.0f;
     } else if (slot == VELUM_SLOT_STORM) {
@@ -121,7 +122,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 /* How far a column's noise changes with height, m a metre: towers have turrets, not flutes; cumulus bulge and lean
  * in. */
 #define VELUM_STORM_TURRETS 0.3f
-#define VELUM_CUMULUS_TURRETS 0.2f
+#define VELUM_CUMULUS_TURRETS 0.25f
 /* Of cumulus, up to so high over the base, m: beyond, as much would lie beside as over their feet. */
 #define VELUM_CUMULUS_TURNS_M 4000.0f
 VELUM_FN float velum_turrets(int slot) {
@@ -187,17 +188,19 @@ VELUM_FN velum_calibration velum_cumulus_factors(float coverage, float thickness
     float beyond = velum_clamp(octaves - 1.5f, 0.0f, 1.5f);
     float x = VELUM_MIN(coverage, 0.75f) - 0.5f;
     float t = velum_overcast(coverage);
+    float deep = VELUM_MAX(o, 0.0f);
     float holes = VELUM_MAX(-o, 0.0f) * t * t * t;
-    float bulges = VELUM_MAX(o, 0.0f) * t * (1.0f - 0.6f * t);
-    float water = 1.0f - 0.0358f * o +
-                  x * (0.0962f * o - 1.0464f + x * (0.4390f - 0.1139f * o + 0.3841f * x));
+    float bulges = deep * deep * t * (1.0f - 0.85f * t);
+    float far = 1.0f - beyond * (0.04f - 0.0075f * beyond) * (1.0f - 1.5f * x);
+    float water = 1.0f - o * (0.0385f + 0.0017f * o) +
+                  x * (0.0611f * o - 0.4210f + x * (0.0217f - 0.0741f * o + 0.4361f * x));
     velum_calibration c;
-    c.coverage = 1.0f - o * (0.1828f + o * (0.0231f + 0.0066f * o)) +
-                 x * (o * (0.3072f - 0.0202f * o) - 0.0400f - x * (0.0772f + 0.0286f * o - 0.4941f * x));
-    c.coverage = c.coverage * (1.0f + 0.1f * holes) * (1.0f + 0.14f * bulges);
-    c.coverage = c.coverage * (1.0f - beyond * (0.26f - 0.068f * beyond) * (1.0f - 0.6f * t));
-    c.density = water * (1.0f + 0.055f * holes) / c.coverage;
-    c.reach = 1.0f - o * (0.0307f + 0.0058f * o) + x * (0.1959f + 0.0704f * o);
+    c.coverage = 1.0f - o * (0.1294f + o * (0.0324f + 0.0034f * o)) +
+                 x * (0.0339f + o * (0.2100f + 0.0240f * o) - x * (0.1293f + 0.0768f * o - 0.7171f * x));
+    c.coverage = c.coverage * (1.0f + 0.05f * holes) * (1.0f + 0.09f * bulges);
+    c.coverage = c.coverage * (1.0f - beyond * (0.35f - 0.115f * beyond) * (1.0f - x) * (1.0f - 0.5f * t));
+    c.density = water * (1.0f + 0.027f * holes) * far / c.coverage;
+    c.reach = (1.0f - o * (0.0186f + 0.0064f * o) + x * (0.1205f + 0.0368f * o)) * far;
     return c;
 }
 
@@ -217,7 +220,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     } else if (slot == VELUM_SLOT_CUMULUS) {
         /* The fewer they are the steeper e rises from their edges, and the more of it lumps must carve to be seen. */
         float crowd = velum_clamp((fields.coverage - 0.1f) / 0.7f, 0.0f, 1.0f);
-        p = velum_profile_make(0.95f, 1.5f, velum_mix(0.80f, 0.40f, crowd), 0.05f, velum_mix(0.50f, 0.28f, crowd), 0.0f,
+        p = velum_profile_make(0.95f, 0.9f, velum_mix(0.55f, 0.40f, crowd), 0.05f, velum_mix(0.42f, 0.28f, crowd), 0.0f,
                                0.0f, 0.8f, 25.0f);
         p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
@@ -251,7 +254,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                     2.0f * kind - 1.0f);
         }
     }
-    p.foot = slot == VELUM_SLOT_CUMULUS ? 1.0f : slot == VELUM_SLOT_STORM ? 0.6f : p.foot;
+    p.foot = slot == VELUM_SLOT_CUMULUS ? 0.75f : slot == VELUM_SLOT_STORM ? 0.6f : p.foot;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
     velum_calibration measured =
         velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
