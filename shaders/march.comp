@@ -27,7 +27,7 @@ const float layer_share = 0.15;
 /* However steep the ray, no shorter than this share of it, or than the shortest. */
 const float thin_share = 0.3;
 /* Of a layer's thickness, along a ray that comes in through its base; but no shorter than this share of the shortest. */
-const float foot_share = 0.02, cumulus_foot_share = 0.015, foot_least = 0.25;
+const float foot_share = 0.02, foot_least = 0.25;
 /* Along a ray over tops, m a metre over them. */
 const float top_way = 0.25;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */
@@ -300,8 +300,7 @@ void main() {
         float deep_m = max(hit.span_m.y - hit.span_m.x, 1.0);
         float layer_m = max(layer_share * deep_m / max(abs(rise), 1.0e-3), min(dt_min, thin_share * deep_m));
         /* Over a base rims are thin: steps from there on grow by and by. */
-        float foot = slot == VELUM_SLOT_CUMULUS ? cumulus_foot_share : foot_share;
-        float foot_m = abs(h0 - hit.span_m.x) + foot * (hit.span_m.y - hit.span_m.x);
+        float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
         float in_m = rise > 0.0 && h1 > hit.span_m.x && !hit.smooth_part ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
         layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
