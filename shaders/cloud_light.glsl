@@ -276,7 +276,7 @@ const float deck_face = 0.391, deck_tilt = 0.251;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
 const float near_face = 0.252, near_share = 0.0357;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
-const float wall_share = 0.70;
+const float wall_share = 0.85;
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
