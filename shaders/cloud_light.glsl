@@ -151,13 +151,23 @@ float across_cloud_m(int slot) {
 }
 
 /* Of the sun's light: what other layers leave, beam and flux as one; and of that, on the mean, the beam that passes the
- * layer's own clouds farther off, and the flux that they let through otherwise or send down from their sides. `ahead`: coverage far on the
- * way. */
+ * layer's own clouds farther off, and the flux that they let through otherwise or send down from their sides. */
 struct sun_left {
     float others, open, turned;
 };
 
-sun_left sun_left_at(cloud_hit hit, float mu_sun, float ahead) {
+/* Coverage of storms half way from where the sun's way is no longer looked at to where it leaves them: beside a storm, and
+ * on its own lit side, there is less of it than here. */
+float storms_ahead(cloud_hit hit, velum_slot_fields f, float seen_m, float mu_sun) {
+    float way_m = max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 0.06);
+    float to_m = 0.5 * (min(seen_m, way_m) + way_m);
+    vec3 aside = eye.sun.xyz - hit.normal * mu_sun;
+    tile_place there = tile_move(hit.tile, normalize(hit.normal + aside * (to_m / VELUM_WGS84_A_M)),
+                                 max(length(hit.r + eye.sun.xyz * to_m), 1.0));
+    return there.missing ? f.coverage : slot_coverage(there, VELUM_SLOT_STORM, there.uv);
+}
+
+sun_left sun_left_at(cloud_hit hit, float mu_sun) {
     sun_left left = sun_left(1.0, 1.0, 0.0);
     for (uint rest = hit.tile.mask; rest != 0u; rest &= rest - 1u) {
         int slot = findLSB(rest);
@@ -167,8 +177,9 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun, float ahead) {
         if (!own) {
             f = slot_fields(hit.tile, slot, true);
             seen_m = 0.0;
-        } else if (slot == VELUM_SLOT_STORM) {
-            f.coverage = ahead;
+        }
+        if (slot == VELUM_SLOT_STORM) {
+            f.coverage = storms_ahead(hit, f, seen_m, mu_sun);
         }
         velum_layer_light light = velum_layer_light_at(slot, f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
@@ -358,14 +369,14 @@ ways_out ways_out_of(cloud_hit hit) {
 
 /* Towers stand so deep that low between them their walls are seen; these shine by the sun as far as it comes down to them,
  * and otherwise as the sky that they hide. */
-vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun) {
+vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun, float ahead) {
     velum_slot_fields f = hit.fields;
     float over_m = max(f.top_m - hit.height_m, 0.0);
     float down = over_m / max(f.top_m - f.base_m, 1.0);
     float cloud_m = across_cloud_m(hit.slot);
     float sun_aside_m = over_m * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)) / max(mu_sun, 0.02);
     float seen = velum_free_lines(f.coverage, down, sky_aside * over_m, cloud_m);
-    float lit = velum_free_lines(f.coverage, down, sun_aside_m, cloud_m);
+    float lit = velum_free_lines(ahead, down, sun_aside_m, cloud_m);
     return sky + wall * (lit * (1.0 - seen));
 }
 
@@ -458,7 +469,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
-        above = between_storms(hit, above, look.walls * even * sun, mu_sun);
+        above = between_storms(hit, above, look.walls * even * sun, mu_sun, way.coverage);
     }
     float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : look.beside) : hit.fields.coverage;
     vec3 open = 0.5 * (above + below) + field;
@@ -561,7 +572,7 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
     sun_way way = sun_way_of(hit, mu_sun, steps, start);
-    sun_left left = sun_left_at(hit, mu_sun, way.coverage);
+    sun_left left = sun_left_at(hit, mu_sun);
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * left.others;
     vec3 field = sun * (max(mu_sun, 0.0) / PI * field_share * left.turned);
     way.depth = STUDIED(study_sun_depth(hit.r, way.depth), way.depth);

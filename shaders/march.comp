@@ -41,6 +41,8 @@ const float dim = 0.3;
 /* Of the opacity that a place has on the mean: with as much it stands for its layer alone, once the ray has left that.
  * Drizzle and cloud that lie in each other share places, or all would be on their first few metres. */
 const float other_least = 0.25;
+/* Where a step begins cloud is thinner than where it is sampled. */
+const float entry_share = 0.7;
 /* A ray gives up where so little comes through; the rest is taken as none. */
 const float opaque = 0.0015;
 
@@ -170,9 +172,10 @@ void main() {
     while (alive) {
         cloud_hit hit;
         bool is_short = STUDIED(study_all_alike() || position < short_until, position < short_until);
-        /* Longer as they run out, so that a ray comes to its end. */
+        /* Longer as they run out, so that a ray comes to its end: where it does not, there is a hole in what stands far off. */
         float spent = 1.0 - float(left) / float(view.steps.x);
-        float hurry = 1.0 + 4.0 * spent * spent * spent * spent * spent;
+        float spent5 = spent * spent * spent * spent * spent;
+        float hurry = 1.0 + 4.0 * spent5 + 12.0 * spent5 * spent5 * spent * spent;
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
         float long_dt = min(max(first_dt, position * growth), longest) * hurry;
@@ -349,6 +352,11 @@ void main() {
         float depth = extinction * max(min(dt, end - start_m), 0.0);
         float step_t = exp(-depth);
         float alpha = through * velum_opacity(depth, step_t);
+        /* Light of a step comes from its first mean free paths, on the mean: its sample lies deeper by this share of it. */
+        float met = entry_share * depth;
+        float dense = max(met, 0.1);
+        float deeper_by = met < 0.1 ? met / 12.0 : 0.5 - 1.0 / dense + exp(-dense) / (1.0 - exp(-dense));
+        float lit_at = uniform_layer ? at : max(at - dt * deeper_by, 0.0);
 #ifdef VELUM_STUDY
         /* Behind most of the cloud's opacity the light found last will do. */
         bool shows = study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim;
@@ -357,12 +365,18 @@ void main() {
         light_steps *= is_fringe(hit) ? fringe_sun_steps : 1;
         light_samples += uint(light_steps);
         float place_m = 0.0;
+        cloud_hit lit = hit;
+        if (wanted && !study_at_point()) {
+            lit.r += ray.direction * (lit_at - at);
+            lit.at_h_m += rise * (lit_at - at);
+            cloud_look(lit, looking, lit_at, false);
+        }
         if (wanted) {
-            source = cloud_source(hit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
+            source = cloud_source(lit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
         }
         is_lit = is_lit || wanted;
         light += study_share(through, depth) * source;
-        weighted += alpha * min(at + place_m, end);
+        weighted += alpha * min((study_at_point() ? at : lit_at) + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
         bool deeper = through < 1.0 - float(places) / float(of.places);
@@ -385,8 +399,8 @@ void main() {
         bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         float joined_at = start_m + dt - joined_m * (1.0 - offset);
-        weighted += joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * at;
-        place.xyw = joins ? vec3(joined_at, joined_m, place.w) : takes ? vec3(at, dt, float(part)) : place.xyw;
+        weighted += joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * lit_at;
+        place.xyw = joins ? vec3(joined_at, joined_m, place.w) : takes ? vec3(lit_at, dt, float(part)) : place.xyw;
 #endif
         weight += alpha;
         through *= step_t;
