@@ -47,7 +47,8 @@ void main() {
         sum += lit[first + i];
     }
     bool any = found.y > 0.0;
-    distance_m += any ? sum.a / found.y : 0.0;
+    /* 0: next to nothing, of which the march tells no distance. */
+    distance_m = any && distance_m > 0.0 ? max(distance_m + sum.a / found.y, 0.0) : distance_m;
     view_ray ray = ray_of_pixel(finer_pixel(of.block, of.which));
     vec3 light = air_before_cloud(ray.origin, ray.direction, sum.rgb, found.a, distance_m, any);
     vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a);
