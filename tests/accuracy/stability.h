@@ -27,7 +27,7 @@ typedef struct stability_case {
 
 extern const stability_case stability_places[], stability_media[], stability_times[]; /* each ends with a null name */
 
-enum { TRIAL_WIDE = 64, TRIAL_HIGH = 36, TRIAL_SETTLE = 48 };
+enum { TRIAL_WIDE = 64, TRIAL_HIGH = 36, TRIAL_SETTLE = 64 };
 
 #define TRIAL_SLAB(base, top, extinction, hg)                                                                          \
     "{\"type\": \"St\", \"structure\": \"uniform\", \"coverage\": 1, \"base_m\": " base ", \"top_m\": " top            \
