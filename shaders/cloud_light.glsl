@@ -159,7 +159,7 @@ struct sun_left {
 /* Coverage of storms half way from where the sun's way is no longer looked at to where it leaves them: beside a storm, and
  * on its own lit side, there is less of it than here. */
 float storms_ahead(cloud_hit hit, velum_slot_fields f, float seen_m, float mu_sun) {
-    float way_m = max(f.top_m - hit.height_m, 0.0) / max(mu_sun, 0.06);
+    float way_m = max(sun_way_m(f, hit.height_m, mu_sun), 0.0);
     float to_m = 0.5 * (min(seen_m, way_m) + way_m);
     vec3 aside = eye.sun.xyz - hit.normal * mu_sun;
     tile_place there = tile_move(hit.tile, normalize(hit.normal + aside * (to_m / VELUM_WGS84_A_M)),

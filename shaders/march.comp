@@ -355,8 +355,8 @@ void main() {
         /* Light of a step comes from its first mean free paths, on the mean: its sample lies deeper by this share of it. */
         float met = entry_share * depth;
         float dense = max(met, 0.1);
-        float deeper_by = met < 0.1 ? met / 12.0 : 0.5 - 1.0 / dense + exp(-dense) / (1.0 - exp(-dense));
-        float lit_at = uniform_layer ? at : max(at - dt * deeper_by, 0.0);
+        float deeper_by = met < 0.1 ? met / 12.0 : 0.5 - 1.0 / dense + 1.0 / (exp(dense) - 1.0);
+        float lit_at = uniform_layer || STUDIED(study_at_point(), false) ? at : max(at - dt * deeper_by, 0.0);
 #ifdef VELUM_STUDY
         /* Behind most of the cloud's opacity the light found last will do. */
         bool shows = study_flag(VELUM_STUDY_LIGHT_ALL) || through > dim;
@@ -366,7 +366,7 @@ void main() {
         light_samples += uint(light_steps);
         float place_m = 0.0;
         cloud_hit lit = hit;
-        if (wanted && !study_at_point()) {
+        if (wanted && lit_at < at) {
             lit.r += ray.direction * (lit_at - at);
             lit.at_h_m += rise * (lit_at - at);
             cloud_look(lit, looking, lit_at, false);
@@ -376,7 +376,7 @@ void main() {
         }
         is_lit = is_lit || wanted;
         light += study_share(through, depth) * source;
-        weighted += alpha * min((study_at_point() ? at : lit_at) + place_m, end);
+        weighted += alpha * min(lit_at + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
         bool deeper = through < 1.0 - float(places) / float(of.places);

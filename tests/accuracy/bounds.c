@@ -29,7 +29,7 @@ static bool hold(const program *p, int at) {
         const measurement *m = &p->results[i];
         if (strcmp(m->group, "preset") == 0 && m->value == (double)bounds[at].quality) {
             if (!(m->m_8.error <= scene_error && fabs(m->m.bias) <= scene_bias)) {
-                printf("%-8s %s: error %.3f (%.2f), bias %+.3f (%.3f): MISSED\n", measure_preset(bounds[at].quality),
+                printf("%-8s %s: error %.3f (%.2f), bias %+.3f (%.2f): MISSED\n", measure_preset(bounds[at].quality),
                        m->scene, m->m_8.error, scene_error, m->m.bias, scene_bias);
                 holds = false;
             }

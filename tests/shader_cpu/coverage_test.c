@@ -55,8 +55,7 @@ static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
         for (int o = 0; o < 5; o++) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
-            /* Of columns that lean, which are taken at random places, one in eight is cloud, and as deep as it may be.
-             */
+            /* Columns that lean are taken at random places: one in eight is cloud, and as deep as it may be. */
             const bool fibres = column_cases[k].kind == VELUM_KIND_CI && column_cases[k].slot == VELUM_SLOT_HIGH;
             const int columns = fibres || column_cases[k].slot == VELUM_SLOT_CUMULUS ? 16000 : 4000;
             assert_true(columns_measure_anywhere(*state, &column_cases[k], coverage, columns, 48, &s));
