@@ -26,7 +26,7 @@ static void add_shade(const core_column *column, float mu_sun, float albedo, flo
             continue;
         }
         velum_slot_fields f = column->slot[slot];
-        float cloud_m = VELUM_CLOUD_SHARE * velum_noise_of((int)slot).shape_period_m;
+        float cloud_m = velum_cloud_share((int)slot) * velum_noise_of((int)slot).shape_period_m;
         velum_layer_light above = velum_layer_light_at((int)slot, f, height_m, mu_sun, 0.0f, cloud_m);
         velum_layer_light even = velum_layer_light_at((int)slot, f, height_m, sky_mu, 0.0f, cloud_m);
         beam *= above.open;

@@ -140,14 +140,14 @@ float sun_way_m(velum_slot_fields f, float height_m, float mu_sun) {
     return (f.top_m - height_m) / max(mu_sun, 0.06);
 }
 /* Few steps see one tower, not a row of them: beyond, storms stand by chance. */
-const float storm_reach = 0.6;
+const float storm_reach = 0.48;
 float sun_reach_m(int slot, velum_slot_fields f, float height_m, float mu_sun) {
     float thicknesses = slot == VELUM_SLOT_STORM ? storm_reach : 2.5;
     return min(sun_way_m(f, height_m, mu_sun), thicknesses * (f.top_m - f.base_m) + 1500.0);
 }
 
 float across_cloud_m(int slot) {
-    return VELUM_CLOUD_SHARE / eye.slots[slot].shape_0.w;
+    return velum_cloud_share(slot) / eye.slots[slot].shape_0.w;
 }
 
 /* Of the sun's light: what other layers leave, beam and flux as one; and of that, on the mean, the beam that passes the
@@ -184,8 +184,7 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
         velum_layer_light light = velum_layer_light_at(slot, f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
         left.open = own ? light.open : left.open;
-        /* Storms' own walls are counted apart (wall). */
-        left.turned = own ? light.through + (slot == VELUM_SLOT_STORM ? 0.0 : light.sides) : left.turned;
+        left.turned = own ? light.through + light.sides : left.turned;
     }
     return left;
 }
@@ -292,27 +291,21 @@ const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
 const float field_share = 2.12;
-/* How a storm is lit. */
-struct storm_look {
-    float walls;  /* light of walls, which is the most that storms have */
-    float beside; /* what flanks see of them */
-    float turned; /* light of faces, on the mean... */
-    float meets;  /* ... and more where the sun meets them straight */
-    float base;   /* as below_share */
-    float faces;  /* how far tops are met as a deck's faces are, and not as a plane */
-};
-/* All towers, as the middle of one that covers all is, and one under an anvil, as far as velum_profile.damp goes, or one
- * of an overcast, which goes on towards the sun. Fitted to seven references of cumulonimbus in a field and, alone,
- * by hand to the scene `thunderstorm`. */
-const storm_look storm_alone = storm_look(1.1, 0.509, 1.65, 1.0, 1.22, 0.0);
-const storm_look storm_in_field = storm_look(0.349, 0.961, 0.51, 0.275, 0.196, 0.764);
+/* How a storm is lit. Fitted to the scene `thunderstorm` and references of cumulonimbus in a field. */
+const float storm_walls = 1.12;  /* light of walls, which is the most that storms have */
+const float storm_beside = 0.19; /* what flanks see of them */
+const float storm_turned = 0.38; /* light of faces, on the mean... */
+const float storm_meets = 0.28;  /* ... and more where the sun meets them straight */
+const float storm_full = 0.4;    /* of that, as much more where storms cover all */
+const float storm_base = 0.14;   /* as below_share */
+const float storm_faces = 0.14;  /* how far tops are met as a deck's faces are, and not as a plane */
 const float storm_slope = 0.137; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
-const float storm_turns = 0.236, storm_lit = 0.864, storm_dark = 1.1; /* as turns, lit_depth and dark_share */
+const float storm_turns = 0.58, storm_lit = 1.43, storm_dark = 1.6; /* as turns, lit_depth and dark_share */
 /* What is turned to the sun sees the bright half of the sky, and what is turned away the ground and the shade: so much
  * more and less, by the fall of the margin over so much of the lumps' period. By eye: references are too noisy to tell. */
 const float storm_relief = 0.3, storm_near = 0.036;
 /* Cosine at which a level top is met by a high sun, at most. */
-const float storm_top = 0.384;
+const float storm_top = 0.6;
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.537;  /* how far aside, m a metre down, what is seen between storms is their walls */
 /* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
@@ -354,6 +347,10 @@ ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
     /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
+    if (hit.profile.stem > 0.0) {
+        float stands = max(hit.excess, 0.0) / hit.profile.stem - VELUM_STEM_FOOT;
+        reach = mix(min(reach, stands), reach, smoothstep(VELUM_ANVIL_LOW - 0.15, VELUM_ANVIL_LOW, stands));
+    }
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
@@ -383,13 +380,6 @@ vec3 between_storms(cloud_hit hit, vec3 sky, vec3 wall, float mu_sun, float ahea
 /* Deep under a face that the sun meets at this cosine: Eddington's half-space. */
 float deep_under(float face) {
     return deep_share * VELUM_INV_4PI * face * (2.0 + 3.0 * face);
-}
-
-storm_look storm_look_of(float damp) {
-    storm_look a = storm_alone;
-    storm_look b = storm_in_field;
-    return storm_look(mix(a.walls, b.walls, damp), mix(a.beside, b.beside, damp), mix(a.turned, b.turned, damp),
-                      mix(a.meets, b.meets, damp), mix(a.base, b.base, damp), mix(a.faces, b.faces, damp));
 }
 
 /* Cosine at which the sun meets the faces of a deck. */
@@ -436,8 +426,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float peak_phase = velum_phase_hg(phases.cos_sun, peak.g * exp(-peak.fade * depth));
     float widened = peak.share * exp(-peak.loss * depth) * peak_phase * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
-    storm_look look = storm_look_of(max(hit.profile.damp, velum_overcast(way.coverage)));
-    float wall = storm ? min(look.walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 1.0) : 0.0;
+    float wall = storm ? min(storm_walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 1.0) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float lumps = lump_face - lump_low * low * low * low * low;
     float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
@@ -451,9 +440,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
-        float level = mix(clamp(mu_sun, storm_graze, storm_top), deck_faces(mu_sun), look.faces * faces_free(mu_sun));
+        float level = mix(clamp(mu_sun, storm_graze, storm_top), deck_faces(mu_sun), storm_faces * faces_free(mu_sun));
         float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
-        deep = deep_under(met) * (look.turned + look.meets * meets);
+        deep = deep_under(met) * (storm_turned + storm_meets * meets) * (1.0 + storm_full * over);
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -469,13 +458,13 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
-        above = between_storms(hit, above, look.walls * even * sun, mu_sun, way.coverage);
+        above = between_storms(hit, above, storm_walls * even * sun, mu_sun, way.coverage);
     }
-    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : look.beside) : hit.fields.coverage;
+    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_beside) : hit.fields.coverage;
     vec3 open = 0.5 * (above + below) + field;
     above += field;
-    vec3 beside = open + walls * (storm ? look.walls : wall_share) * even * sun;
-    down *= towers ? look.base : below_share;
+    vec3 beside = open + walls * (storm ? storm_walls : wall_share) * even * sun;
+    down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     if (towers) {
         float tilt = sine_of(way.falls_near_1_m * storm_near / eye.slots[hit.slot].lump_0.w);

@@ -76,8 +76,8 @@ VELUM_FN velum_calibration velum_calibration_of(int slot, float kind, float cove
         b = a;
         t = 0.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        a = velum_calibration_make(10600.0f, 0.7277f, 0.8821f, -0.2865f, -0.2319f, 0.1501f, 2.9194f, -0.0355f, -0.4812f,
-                                   0.0979f, 0.9150f, 0.2980f, -0.2354f);
+        a = velum_calibration_make(10600.0f, 1.1343f, 0.0143f, -0.1918f, -0.1491f, 0.0405f, 3.8006f, -0.0538f, -0.8305f,
+                                   0.2666f, 0.8846f, 0.4374f, -0.3065f);
         b = a;
         t = 0.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {

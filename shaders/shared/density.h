@@ -58,7 +58,7 @@ VELUM_FN velum_slot_noise velum_noise_of(int slot) {
         n.lump_period_m = 1500.0f;
         n.fine_period_m = 350.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        n.shape_period_m = 54000.0f;
+        n.shape_period_m = 90000.0f;
         n.lump_period_m = 9000.0f;
         n.fine_period_m = 1800.0f;
     } else if (slot == VELUM_SLOT_MIDDLE) {
@@ -121,7 +121,7 @@ VELUM_FN velum_profile velum_profile_make(float reach, float power, float amplit
 #define VELUM_ANVIL_LAG_MOST 0.3f
 /* How far a column's noise changes with height, m a metre: towers have turrets, not flutes; cumulus bulge and lean
  * in. */
-#define VELUM_STORM_TURRETS 0.3f
+#define VELUM_STORM_TURRETS 0.2f
 #define VELUM_CUMULUS_TURRETS 0.25f
 /* Of cumulus, up to so high over the base, m: beyond, as much would lie beside as over their feet. */
 #define VELUM_CUMULUS_TURNS_M 4000.0f
@@ -150,30 +150,40 @@ VELUM_FN float velum_anvil_m(velum_slot_fields f) {
 
 /* Thickness of a storm, m, from which it is told how what it covers changes with that. */
 #define VELUM_STORM_THICKNESS_M 10600.0f
-/* Of velum_beside at no cover, over the square of how far the wind carries an anvil, in thicknesses of the storm or
- * in this, m, where that is more. */
-#define VELUM_ANVIL_COVER 4.2f
+/* Of velum_beside at no cover: over how far the wind carries an anvil, in this, m, and its power of that over the
+ * storm's thickness. */
+#define VELUM_ANVIL_COVER 1.42f
 #define VELUM_ANVIL_COVER_M (0.8f * VELUM_STORM_THICKNESS_M)
+#define VELUM_ANVIL_COVER_POWER 0.6f
 
 /* What anvils that the wind carries cover beside their towers, over what is covered in calm air: the more the less that
- * is. Fitted to winds of 10 to 30 m/s. */
+ * is. Fitted to what velum-calibrate finds in winds of 10 to 30 m/s, 5 to 19 km deep. */
 VELUM_FN float velum_beside(velum_slot_fields f) {
     float over = velum_overcast(f.coverage);
-    float clear = (1.0f - 0.7f * f.coverage) * (1.0f - 0.35f * over * over);
-    float far = velum_anvil_m(f) / VELUM_MAX(f.top_m - f.base_m, VELUM_ANVIL_COVER_M);
-    return VELUM_ANVIL_COVER * far * far * clear;
+    float clear = (1.0f - 0.83f * f.coverage) * (1.0f - 0.4f * over * over);
+    float far_m = velum_anvil_m(f);
+    float aslant = VELUM_POW(far_m / VELUM_MAX(f.top_m - f.base_m, 1.0f), VELUM_ANVIL_COVER_POWER);
+    return VELUM_ANVIL_COVER * (far_m / VELUM_ANVIL_COVER_M) * aslant * clear;
 }
 /* Its change with coverage at most, over its value at no cover; and a metre farther. */
-#define VELUM_BESIDE_SLOPE 1.35f
-#define VELUM_BESIDE_1_M (2.0f * VELUM_ANVIL_LAG_MOST * VELUM_ANVIL_COVER / VELUM_ANVIL_COVER_M)
+#define VELUM_BESIDE_SLOPE 1.2f
+#define VELUM_BESIDE_1_M (0.78f * VELUM_ANVIL_COVER / VELUM_ANVIL_COVER_M) /* 1.6 x 0.3^0.6 */
 
-/* Turrets cover the more beside their feet the smaller and the taller those are: what is left to feet, over that at
- * half cover. Fitted to what velum-calibrate finds from 0.04 to 0.94 of cover, 5 to 19 km deep. */
-VELUM_FN float velum_storm_feet(float coverage, float thickness_m) {
+/* Optical depth of a storm from which it is told how what it covers changes with that. */
+#define VELUM_STORM_DEPTH 636.0f
+
+/* Turrets cover the more beside their feet the smaller and the taller those are, and anvils the less the thinner: what
+ * is left to feet, over that at half cover. Fitted to what velum-calibrate finds from 0.06 of cover to all, 5 to 19 km
+ * deep, of optical depths of 5 to 3000. */
+VELUM_FN float velum_storm_feet(float coverage, float thickness_m, float optical_depth) {
     float octaves = VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_STORM_THICKNESS_M);
-    float power = 0.28f + 0.115f * velum_clamp(octaves, -2.0f, 1.5f);
-    float many = VELUM_MAX(coverage - 0.5f, 0.0f);
-    return VELUM_POW(2.0f * VELUM_MAX(coverage, 0.02f), power) * (1.0f + 4.3f * power * many * many);
+    float o = velum_clamp(octaves, -2.0f, 1.5f);
+    float power = VELUM_MAX(0.142f + 0.095f * o, 0.0f);
+    float many = velum_clamp(coverage - 0.5f, 0.0f, 0.25f);
+    float tall = (1.0f + 0.69f * VELUM_MAX(o, 0.0f) * many * many) * (1.0f - 0.038f * o * o);
+    float thin = velum_clamp(VELUM_LOG2(VELUM_STORM_DEPTH / VELUM_MAX(optical_depth, 1.0e-3f)), -0.6f, 7.0f);
+    float unseen = 0.0317f * thin * (1.9f - 1.8f * coverage) * (1.0f + 0.47f * o);
+    return VELUM_POW(2.0f * VELUM_MAX(coverage, 0.02f), power) * tall * (1.0f + unseen);
 }
 
 /* Of cumulus, m: thickness from which it is told how what they take changes with that. */
@@ -205,7 +215,7 @@ VELUM_FN velum_calibration velum_cumulus_factors(float coverage, float thickness
 }
 
 /* Of velum_profile.stem: of a storm in a field of them, and towards the edge of one. */
-#define VELUM_STEM 0.15f
+#define VELUM_STEM 0.65f
 #define VELUM_STEM_EDGE 1.3f
 
 VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
@@ -224,10 +234,10 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                0.0f, 0.8f, 25.0f);
         p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        /* Towers under an anvil, which alone is left at the edge of a storm; an overcast is all towers. */
+        /* Towers under an anvil, which at the edge of a storm is left over low heaps; an overcast is all towers. */
         float stem = VELUM_STEM * (1.0f - over) + VELUM_STEM_EDGE * (1.0f - kind);
-        p = velum_profile_make(0.80f, 24.0f, 0.48f, 0.06f, 0.30f, stem, 0.0f, 0.4f, 150.0f);
-        p.rim = 2.5f;
+        p = velum_profile_make(0.80f, 24.0f, 0.40f, 0.06f, 0.24f, stem, 0.0f, 0.4f, 150.0f);
+        p.rim = 4.0f;
         p.damp = 0.97f * (1.0f - over * kind);
     } else if (slot == VELUM_SLOT_MIDDLE) {
         /* As: a veil; Ns: a deep sheet; Ac: cells. */
@@ -256,8 +266,8 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
     }
     p.foot = slot == VELUM_SLOT_CUMULUS ? 0.75f : slot == VELUM_SLOT_STORM ? 0.6f : p.foot;
     float thickness_m = VELUM_MAX(fields.top_m - fields.base_m, 1.0f);
-    velum_calibration measured =
-        velum_calibration_of(slot, kind, fields.coverage, thickness_m, fields.extinction_1_m * thickness_m);
+    float optical_depth = fields.extinction_1_m * thickness_m;
+    velum_calibration measured = velum_calibration_of(slot, kind, fields.coverage, thickness_m, optical_depth);
     p.reach = p.reach * measured.reach;
     p.base_soft_m = VELUM_MIN(p.base_soft_m, 0.12f * thickness_m);
     p.coverage_scale = measured.coverage * (1.0f + p.close * over * over);
@@ -279,7 +289,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
         p.reach = p.reach * of.reach;
     }
     if (slot == VELUM_SLOT_STORM) {
-        float feet = velum_storm_feet(fields.coverage, thickness_m) / (1.0f + velum_beside(fields));
+        float feet = velum_storm_feet(fields.coverage, thickness_m, optical_depth) / (1.0f + velum_beside(fields));
         p.coverage_scale = p.coverage_scale * feet;
         p.density_scale = p.density_scale / feet;
     }
@@ -296,20 +306,21 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 #define VELUM_RIM 0.5f
 
 /* An anvil's underside slopes up and out between these height fractions; and towers turn to ice between those. */
-#define VELUM_ANVIL_LOW 0.74f
+#define VELUM_ANVIL_LOW 0.76f
 #define VELUM_ANVIL_HIGH 0.96f
 #define VELUM_ICE_LOW 0.70f
 #define VELUM_ICE_HIGH 0.84f
 /* Change of either over a unit of height fraction, at most: see velum_smoothstep. */
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW))
 #define VELUM_ICE_SLOPE (1.5f / (VELUM_ICE_HIGH - VELUM_ICE_LOW))
-/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it. */
-#define VELUM_STEM_FOOT 0.55f
-#define VELUM_STEM_SLOPE 0.75f
+/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: of the fewest
+ * excess there are but feet, low towers about the tall ones. */
+#define VELUM_STEM_FOOT 0.05f
+#define VELUM_STEM_SLOPE 1.0f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
 #define VELUM_ANVIL_SOFTNESS 1.0f
-#define VELUM_ANVIL_SMOOTH 0.75f
+#define VELUM_ANVIL_SMOOTH 0.5f
 
 VELUM_FN float velum_anvil(float z) {
     return velum_smoothstep(VELUM_ANVIL_LOW, VELUM_ANVIL_HIGH, z);

@@ -8,8 +8,12 @@
 
 /* Share of the extinction that takes light off its way: delta scaling (Joseph et al. 1976), mean cosine 0.86. */
 #define VELUM_TURNING_SHARE 0.26f
-/* Of the noise's period: across a cloud. */
+/* Of the noise's period: across a cloud; and a storm, whose towers are narrower than what it covers. */
 #define VELUM_CLOUD_SHARE 0.15f
+#define VELUM_TOWER_SHARE 0.076f
+VELUM_FN float velum_cloud_share(int slot) {
+    return slot == VELUM_SLOT_STORM ? VELUM_TOWER_SHARE : VELUM_CLOUD_SHARE;
+}
 
 /* Flux that a plane layer without absorption lets through, of what falls on it: Eddington's approximation over black
  * ground (Shettle & Weinman 1970); mean cosine 0.86 of droplets. */
