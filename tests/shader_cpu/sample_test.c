@@ -145,8 +145,8 @@ static void extinction_is_only_between_base_and_top(void **state) {
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
 }
 
-/* Under the edge of a storm's anvil nothing stands but low heaps, and in its middle all of an overcast: the fewer towers
- * the nearer the edge, at any height; an anvil is there all the same, thinner than towers. */
+/* Under the edge of a storm's anvil nothing stands but low heaps, and in its middle all of an overcast: the fewer
+ * towers the nearer the edge, at any height; an anvil is there all the same, thinner than towers. */
 static void storms_sink_under_their_anvils_towards_their_edges(void **state) {
     (void)state;
     velum_slot_fields f = {.coverage = 0.7f, .base_m = 1000.0f, .top_m = 11000.0f, .extinction_1_m = 0.06f};
