@@ -184,7 +184,7 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
         velum_layer_light light = velum_layer_light_at(slot, f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
         left.open = own ? light.open : left.open;
-        left.turned = own ? light.through + light.sides : left.turned;
+        left.turned = own ? light.through + (slot == VELUM_SLOT_STORM && is_fringe(hit) ? 0.0 : light.sides) : left.turned;
     }
     return left;
 }
@@ -288,6 +288,7 @@ const float near_face = 0.252, near_share = 0.0357;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
 const float wall_share = 0.85;
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
+const float shaft_turns = 0.236, shaft_lit = 0.864; /* as turns and lit_depth, in what falls from storms */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
  * their flanks, which a low sun meets straight. */
 const float field_share = 2.12;
@@ -347,10 +348,6 @@ ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
     /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
     float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
-    if (hit.profile.stem > 0.0) {
-        float stands = max(hit.excess, 0.0) / hit.profile.stem - VELUM_STEM_FOOT;
-        reach = mix(min(reach, stands), reach, smoothstep(VELUM_ANVIL_LOW - 0.15, VELUM_ANVIL_LOW, stands));
-    }
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
@@ -406,12 +403,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     bool storm = hit.slot == VELUM_SLOT_STORM;
     bool heaps = !storm && !is_fringe(hit);
     bool towers = storm && !is_fringe(hit);
-    float slows = storm ? storm_turns : turns;
+    float slows = storm ? (towers ? storm_turns : shaft_turns) : turns;
     float up = 1.0 / (1.0 + slows * ways.up);
     float down = 1.0 / (1.0 + slows * ways.down);
     float flank = 1.0 / (1.0 + slows * ways.flank);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
-    float lit = 1.0 / (1.0 + (storm ? storm_lit : lit_depth) * slows * depth * (1.0 + alone_lit * alone));
+    float lit = 1.0 / (1.0 + (storm ? (towers ? storm_lit : shaft_lit) : lit_depth) * slows * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
     float aside = flank * (1.0 - over);

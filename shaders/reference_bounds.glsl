@@ -212,9 +212,8 @@ float margin_clear(int slot, slot_tile s, velum_slot_fields f, velum_profile p, 
     float thickness = max(f.top_m - f.base_m, 1.0);
     float climb = abs(rise) / thickness;
     float carve = 1.6 * p.amplitude;
-    float stands = VELUM_STEM_FOOT + VELUM_STEM_SLOPE;
-    float up = VELUM_ANVIL_SLOPE * stands * p.stem + VELUM_ICE_SLOPE * VELUM_ANVIL_SMOOTH * p.damp * carve;
-    float low = 5.0 * carve * (1.0 - p.foot) + VELUM_STEM_SLOPE * p.stem;
+    float up = VELUM_ANVIL_SLOPE * velum_stem_at(p, 1.0) + VELUM_ICE_SLOPE * VELUM_ANVIL_SMOOTH * p.damp * carve;
+    float low = 5.0 * carve * (1.0 - p.foot) + min(p.stem, VELUM_STEM);
     float down = p.reach * p.power * pow(max(z, 1e-3), p.power - 1.0) + low;
     /* Where layers may be thin in the tile, they are not about here, half as thick no sooner than after half_m. */
     float half_m = 0.5 * thickness / max(s.steep, 1e-9);

@@ -174,7 +174,7 @@ VELUM_FN float velum_beside(velum_slot_fields f) {
 
 /* Turrets cover the more beside their feet the smaller and the taller those are, and anvils the less the thinner: what
  * is left to feet, over that at half cover. Fitted to what velum-calibrate finds from 0.06 of cover to all, 5 to 19 km
- * deep, of optical depths of 5 to 3000. */
+ * deep, of optical depths of 100 to 3000 (at 5, in parts to 0.06 of cover). */
 VELUM_FN float velum_storm_feet(float coverage, float thickness_m, float optical_depth) {
     float octaves = VELUM_LOG2(VELUM_MAX(thickness_m, 1.0f) / VELUM_STORM_THICKNESS_M);
     float o = velum_clamp(octaves, -2.0f, 1.5f);
@@ -234,7 +234,7 @@ VELUM_FN velum_profile velum_profile_of(int slot, velum_slot_fields fields) {
                                0.0f, 0.8f, 25.0f);
         p.rim = 6.0f;
     } else if (slot == VELUM_SLOT_STORM) {
-        /* Towers under an anvil, which at the edge of a storm is left over low heaps; an overcast is all towers. */
+        /* Towers under an anvil, which alone is left at the edge of a storm; an overcast is all towers. */
         float stem = VELUM_STEM * (1.0f - over) + VELUM_STEM_EDGE * (1.0f - kind);
         p = velum_profile_make(0.80f, 24.0f, 0.40f, 0.06f, 0.24f, stem, 0.0f, 0.4f, 150.0f);
         p.rim = 4.0f;
@@ -313,10 +313,10 @@ VELUM_FN float velum_excess(velum_profile p, float coverage, float rank) {
 /* Change of either over a unit of height fraction, at most: see velum_smoothstep. */
 #define VELUM_ANVIL_SLOPE (1.5f / (VELUM_ANVIL_HIGH - VELUM_ANVIL_LOW))
 #define VELUM_ICE_SLOPE (1.5f / (VELUM_ICE_HIGH - VELUM_ICE_LOW))
-/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by so much of it: of the fewest
- * excess there are but feet, low towers about the tall ones. */
+/* Towers stand within so much of `stem` of their anvil's rim, and narrow upwards by all of it: of the least excess
+ * there are but feet, low towers about the tall ones. They stand within all of what `stem` is more than in a field,
+ * towards the edge of a storm, at any height: they end before its cover does. */
 #define VELUM_STEM_FOOT 0.05f
-#define VELUM_STEM_SLOPE 1.0f
 /* Ice: anvils thin out over so much of e; and so many times what they are thinner by is taken from what is carved off
  * them. */
 #define VELUM_ANVIL_SOFTNESS 1.0f
@@ -331,6 +331,12 @@ VELUM_FN float velum_thinned(velum_profile p, float z) {
     return p.damp > 0.0f ? p.damp * velum_smoothstep(VELUM_ICE_LOW, VELUM_ICE_HIGH, z) : 0.0f;
 }
 
+/* What `stem` adds to g below the anvil. */
+VELUM_FN float velum_stem_at(velum_profile p, float z) {
+    return VELUM_MIN(p.stem, VELUM_STEM) * (VELUM_STEM_FOOT + VELUM_MAX(z, 0.0f)) +
+           VELUM_MAX(p.stem - VELUM_STEM, 0.0f);
+}
+
 /* Threshold of e at height fraction z is no lower. */
 VELUM_FN float velum_threshold_least(velum_profile p, float z) {
     return p.reach * VELUM_POW(VELUM_MAX(z, 0.0f), p.power);
@@ -340,8 +346,7 @@ VELUM_FN float velum_threshold_least(velum_profile p, float z) {
 VELUM_FN float velum_threshold_between(velum_profile p, float low, float high) {
     float g = velum_threshold_least(p, low);
     if (p.stem > 0.0f) {
-        float stands = VELUM_STEM_FOOT + VELUM_STEM_SLOPE * VELUM_MAX(low, 0.0f);
-        g = g + p.stem * stands * (1.0f - velum_anvil(high));
+        g = g + velum_stem_at(p, low) * (1.0f - velum_anvil(high));
     }
     return g;
 }

@@ -57,9 +57,9 @@ VELUM_STRUCT(velum_page_bounds) {
 /* Effective coverage of a storm, or of cumulus, over a change of its height by all of its thickness. */
 #define VELUM_FADE_BEND 1.7f
 /* Of a storm's margin, over a change of coverage or of kind with what else does (VELUM_FADE_OTHERS): its stem and what
- * ice takes from what is carved off change by less than 3.8 with the one, as an overcast opens, and 1.9 with the other.
+ * ice takes from what is carved off change by less than 4.3 with the one, as an overcast opens, and 1.9 with the other.
  */
-#define VELUM_STORM_EDGE ((3.8f + 1.9f) / VELUM_FADE_OTHERS)
+#define VELUM_STORM_EDGE ((4.3f + 1.9f) / VELUM_FADE_OTHERS)
 
 /* Places on a pixel's ray from which one path goes on, with all orders of scattering from each. 4 at most: a byte each
  * of a word tells what is there. */

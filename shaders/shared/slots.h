@@ -30,7 +30,7 @@
 #define VELUM_KIND_CS 0.0f
 #define VELUM_KIND_CI 0.5f
 #define VELUM_KIND_CC 1.0f
-#define VELUM_KIND_CB 1.0f /* towers under an anvil; 0: an anvil over low heaps, as at the edge of a storm */
+#define VELUM_KIND_CB 1.0f /* towers under an anvil; 0: an anvil alone, as at the edge of a storm */
 
 /* Texels of a page, two textures of R16G16B16A16_UNORM:
  *   A: coverage, base, top, extinction      B: wind x, y, z (ECEF), kind

@@ -32,7 +32,7 @@ static void squares_hold_what_was_asked_for(void **state) {
             const float coverage = (float)oktas[o] / 8.0f;
             const double *place = places[(k + o) % 4];
             column_stats s;
-            /* A square of 50 km holds but one storm or two. */
+            /* A square of 50 km holds but a few storms. */
             const double side_m = storm ? 150000.0 : 50000.0;
             assert_true(columns_measure(*state, of, coverage, place[0], place[1], side_m, 110, 32, &s));
             /* The towers of a storm are large against the square: see velum-coverage. */

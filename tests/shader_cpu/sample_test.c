@@ -145,9 +145,9 @@ static void extinction_is_only_between_base_and_top(void **state) {
     assert_true(velum_slot_extinction(VELUM_SLOT_UNIFORM, f, 2000.0f, 0.0f, 0.0f, 0.5f) == 0.04f);
 }
 
-/* Under the edge of a storm's anvil nothing stands but low heaps, and in its middle all of an overcast: the fewer
- * towers the nearer the edge, at any height; an anvil is there all the same, thinner than towers. */
-static void storms_sink_under_their_anvils_towards_their_edges(void **state) {
+/* Under the edge of a storm's anvil nothing stands, and in its middle all of an overcast: the fewer towers the nearer
+ * the edge, at any height; an anvil is there all the same, thinner than towers. */
+static void storms_are_anvils_alone_at_their_edges(void **state) {
     (void)state;
     velum_slot_fields f = {.coverage = 0.7f, .base_m = 1000.0f, .top_m = 11000.0f, .extinction_1_m = 0.06f};
     float last[64] = {0};
@@ -158,7 +158,7 @@ static void storms_sink_under_their_anvils_towards_their_edges(void **state) {
             const float z = ((float)i + 0.5f) / 64.0f;
             const float now = velum_body(p, 0.8f, z, 10000.0f * z, 1.0f, 1.0f);
             assert_true(now >= last[i] * 0.999f || z > VELUM_ICE_LOW);
-            assert_true(k > 0 || z < 0.4f || z > VELUM_ANVIL_LOW || now == 0.0f);
+            assert_true(k > 0 || z > VELUM_ANVIL_LOW || now == 0.0f);
             assert_true(k < 20 || now > 0.0f || z > VELUM_ANVIL_HIGH);
             last[i] = now;
         }
@@ -283,7 +283,7 @@ int main(void) {
         cmocka_unit_test(states_mix_by_their_coverage),
         cmocka_unit_test(texels_give_back_fields),
         cmocka_unit_test(extinction_is_only_between_base_and_top),
-        cmocka_unit_test(storms_sink_under_their_anvils_towards_their_edges),
+        cmocka_unit_test(storms_are_anvils_alone_at_their_edges),
         cmocka_unit_test(thresholds_are_no_lower_between_two_heights),
         cmocka_unit_test(rims_are_softer_than_hearts),
         cmocka_unit_test(anvils_cover_no_faster_than_their_bounds),
