@@ -184,7 +184,9 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
         velum_layer_light light = velum_layer_light_at(slot, f, hit.height_m, mu_sun, seen_m, across_cloud_m(slot));
         left.others *= own ? 1.0 : light.open + light.through;
         left.open = own ? light.open : left.open;
-        left.turned = own ? light.through + (slot == VELUM_SLOT_STORM && is_fringe(hit) ? 0.0 : light.sides) : left.turned;
+        /* What falls from storms sees their walls (shaft_walls). */
+        bool shaft = slot == VELUM_SLOT_STORM && is_fringe(hit);
+        left.turned = own ? light.through + (shaft ? 0.0 : light.sides) : left.turned;
     }
     return left;
 }
@@ -403,12 +405,13 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     bool storm = hit.slot == VELUM_SLOT_STORM;
     bool heaps = !storm && !is_fringe(hit);
     bool towers = storm && !is_fringe(hit);
-    float slows = storm ? (towers ? storm_turns : shaft_turns) : turns;
+    float slows = towers ? storm_turns : storm ? shaft_turns : turns;
     float up = 1.0 / (1.0 + slows * ways.up);
     float down = 1.0 / (1.0 + slows * ways.down);
     float flank = 1.0 / (1.0 + slows * ways.flank);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
-    float lit = 1.0 / (1.0 + (storm ? (towers ? storm_lit : shaft_lit) : lit_depth) * slows * depth * (1.0 + alone_lit * alone));
+    float slows_lit = slows * (towers ? storm_lit : storm ? shaft_lit : lit_depth);
+    float lit = 1.0 / (1.0 + slows_lit * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
     float aside = flank * (1.0 - over);
