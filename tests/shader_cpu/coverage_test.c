@@ -56,16 +56,15 @@ static void noise_as_a_whole_holds_what_was_asked_for(void **state) {
             const float coverage = (float)oktas[o] / 8.0f;
             column_stats s;
             /* Columns that lean are taken at random places: one in eight is cloud, and as deep as it may be. */
-            const int slot = column_cases[k].slot;
-            const bool fibres = column_cases[k].kind == VELUM_KIND_CI && slot == VELUM_SLOT_HIGH;
-            const bool leans = fibres || slot == VELUM_SLOT_CUMULUS || slot == VELUM_SLOT_STORM;
-            const int columns = leans ? 16000 : 4000;
-            assert_true(columns_measure_anywhere(*state, &column_cases[k], coverage, columns, 48, &s));
+            const column_case *of = &column_cases[k];
+            const velum_slot_fields fields = {.base_m = of->base_m, .top_m = of->top_m, .kind = of->kind};
+            const int columns = velum_lean_slope(of->slot, fields) > 0.0f ? 16000 : 4000;
+            assert_true(columns_measure_anywhere(*state, of, coverage, columns, 48, &s));
             const bool good = fabs(s.coverage - (double)coverage) < 0.012 && fabs(s.water - 1.0) < 0.03 &&
                               fabs(s.base_error_m) < 10.0 && fabs(s.top_error_m) < 10.0;
             if (!good) {
-                print_message("%s, %d oktas: coverage %.4f, water %.3f, base %+.1f m, top %+.1f m\n",
-                              column_cases[k].name, oktas[o], s.coverage, s.water, s.base_error_m, s.top_error_m);
+                print_message("%s, %d oktas: coverage %.4f, water %.3f, base %+.1f m, top %+.1f m\n", of->name,
+                              oktas[o], s.coverage, s.water, s.base_error_m, s.top_error_m);
             }
             assert_true(good);
         }
