@@ -51,6 +51,8 @@ typedef enum pass {
     PASS_SKY,
     PASS_DUE,                                       /* rays of views that stand */
     PASS_FINER,                                     /* rays of views that move */
+    PASS_NEAR,                                      /* and of those that meet near cloud */
+    PASS_NEAR_DEPTH,                                /* before what the host has drawn */
     PASS_MARCH,                                     /* eight */
     PASS_MARCH_UNEVEN = PASS_MARCH + PASS_VARIANTS, /* eight, for weather that differs from place to place */
     PASS_LIGHT = PASS_MARCH_UNEVEN + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */

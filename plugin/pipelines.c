@@ -21,6 +21,7 @@
 #include "march_fringed.spv.h"
 #include "march_study.spv.h"
 #include "march_study_fringed.spv.h"
+#include "near.spv.h"
 #include "reference.spv.h"
 #include "reference_error.spv.h"
 #include "reference_fringed.spv.h"
@@ -166,7 +167,8 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5 to 8 of resolve.comp, 8 of gather.comp too; 9 of segments.glsl; 10 of uneven.glsl. */
+ * cloud_light.glsl; 5 to 8 of resolve.comp, 6 of near.comp and 8 of gather.comp too; 9 of segments.glsl; 10 of
+ * uneven.glsl. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
@@ -199,6 +201,8 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_DUE] = {velum_due_spv, sizeof velum_due_spv},
         [PASS_FINER] = {velum_finer_spv, sizeof velum_finer_spv},
+        [PASS_NEAR] = {velum_near_spv, sizeof velum_near_spv},
+        [PASS_NEAR_DEPTH] = {velum_near_spv, sizeof velum_near_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_MARCH_UNEVEN] = {velum_march_spv, sizeof velum_march_spv},
@@ -260,7 +264,7 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .lanes = pipelines_reference_lanes(g),
                             .closes = !resolves && (kind & PASS_CLOSED || is_of(which, PASS_MARCH_STUDY)),
                             .ground = resolves && kind & PASS_GROUND,
-                            .depth = resolves && kind & PASS_DEPTH,
+                            .depth = which == PASS_NEAR_DEPTH || (resolves && kind & PASS_DEPTH),
                             .moves = resolves && kind & PASS_MOVES,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
                             .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1,

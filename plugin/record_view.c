@@ -349,6 +349,7 @@ static bool bind_view(view *v, VkCommandBuffer commands, const velum_vulkan_imag
 typedef struct view_passes {
     pass march, light; /* light PASS_COUNT: none; studies light as they go */
     pass gather;
+    pass near;    /* PASS_COUNT: the view does not move */
     pass resolve; /* without ground */
     pass list;    /* of rays; PASS_COUNT: each block has one */
 } view_passes;
@@ -358,11 +359,14 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
         (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
                (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
+    const pass moving = history->has_depth ? PASS_NEAR_DEPTH : PASS_NEAR;
+    const pass near = history->way == HISTORY_MOVES ? moving : PASS_COUNT;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
         return (view_passes){.march = (pass)(PASS_MARCH_STUDY + kind),
                              .light = PASS_COUNT,
                              .gather = PASS_COUNT,
+                             .near = near,
                              .resolve = resolve,
                              .list = PASS_COUNT};
     }
@@ -372,6 +376,7 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
     return (view_passes){.march = (pass)(march + kind + closed),
                          .light = (pass)(PASS_LIGHT + kind + closed),
                          .gather = history->way == HISTORY_KEEPS ? PASS_GATHER_KEEPS : PASS_GATHER,
+                         .near = near,
                          .resolve = resolve,
                          .list = history->calm_turns != 0 ? PASS_DUE
                                  : history->has_finer     ? PASS_FINER
@@ -379,11 +384,14 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
 }
 
 static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
-    pass needed[6] = {passes->march, passes->resolve};
+    pass needed[7] = {passes->march, passes->resolve};
     uint32_t count = 2;
     if (passes->light != PASS_COUNT) {
         needed[count++] = passes->light;
         needed[count++] = passes->gather;
+    }
+    if (passes->near != PASS_COUNT) {
+        needed[count++] = passes->near;
     }
     if (passes->list != PASS_COUNT) {
         needed[count++] = passes->list;
@@ -424,13 +432,16 @@ static void record_march(view *v, VkCommandBuffer commands, const velum_view_blo
         gpu_barrier(g, commands, compute, write, reads, access);
     }
     record_rays(v, commands, block, which->march, which->list);
-    if (which->light == PASS_COUNT) {
-        return;
+    if (which->light != PASS_COUNT) {
+        gpu_barrier(g, commands, compute, write, reads, access);
+        record_list(v, commands, which->light, 0);
+        gpu_barrier(g, commands, compute, write, reads, access);
+        record_rays(v, commands, block, which->gather, which->list);
     }
-    gpu_barrier(g, commands, compute, write, reads, access);
-    record_list(v, commands, which->light, 0);
-    gpu_barrier(g, commands, compute, write, reads, access);
-    record_rays(v, commands, block, which->gather, which->list);
+    if (which->near != PASS_COUNT) {
+        gpu_barrier(g, commands, compute, write, reads, access);
+        record_dispatch(e, commands, which->near, block->march_size[0], block->march_size[1]);
+    }
 }
 
 /* First rows of pixels, in whole work groups, in which no ray meets the ellipsoid. Scaled to a sphere, those that do

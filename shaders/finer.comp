@@ -7,6 +7,7 @@
 #include "due_list.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
+layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
 
 shared float contrasts[VELUM_GROUP * VELUM_GROUP];
 
@@ -33,7 +34,9 @@ void main() {
     ivec2 block = picture_block();
     uint lane = gl_LocalInvocationIndex;
     bool is_in = is_in_picture(block);
-    float contrast = is_in ? contrast_around(block) : 0.0;
+    /* Of near cloud blocks' rays tell enough. */
+    float far = is_in ? 1.0 - nearness(texelFetch(march_distance, block, 0).r, ray_of_pixel(ray_pixel(block)).direction) : 0.0;
+    float contrast = is_in ? far * contrast_around(block) : 0.0;
     contrasts[lane] = contrast;
     barrier();
     uint before_it = 0u;

@@ -37,4 +37,9 @@ uint finer_head(uint rays, uint finer, uint which) {
     return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);
 }
 
+/* Of a block's own ray, its first place: near.comp leaves the same there, once its places have been gathered. */
+uint own_head(uint ray, bool finer) {
+    return ray * (finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES));
+}
+
 #endif

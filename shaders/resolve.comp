@@ -25,8 +25,6 @@ layout(set = 1, binding = VELUM_BIND_OUT_LUMINANCE) uniform writeonly OUT_IMAGE 
 layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IMAGE transmittance_out;
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
 
-/* Where a ray met no cloud, history is moved as if it had been so far away, or as far as rays go. */
-const float nothing_least_m = 60000.0;
 /* Below it a pixel is as good as clear. */
 const float least_opacity = 0.005;
 /* Pixels that history has moved since the frame before: all is believed of it, nothing beyond what this frame saw. */
@@ -49,9 +47,6 @@ const float evened_share = 0.6, evened_rad = 1.2e-3;
 const float places_of_steps = 4.0;
 /* Strides lose so much of that by filters, at most. */
 const float filtered = 0.03;
-/* Cloud that lets no more through hides what the host has drawn behind it: its rays and history are as good for pixels
- * beside them, whatever that is. */
-const float shut = 0.01;
 
 /* The host draws the ground, or nobody: then the pass spends nothing on ours; nor on the host's depth where it gives
  * none; nor on where history has moved to where all stands; nor on rays where history is kept in place: gather.comp has put
@@ -79,15 +74,6 @@ struct past_place {
     float away_m;
     bool known;
 };
-
-float nothing_m() {
-    return max(nothing_least_m, view.march.z);
-}
-
-/* Where a ray ends whose host's surface is so far away; below 0: there is none. */
-float end_of(float hit_m) {
-    return hit_m >= 0.0 ? min(hit_m, nothing_m()) : nothing_m();
-}
 
 /* See history_place. */
 float held_of(float distance_m, float opacity) {
@@ -309,23 +295,16 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     uint which = of_quarter ? finer_which(place & 1) : 0u;
     uint number = which != 0u ? finer_number(block) : 0u;
     which = number != 0u ? which : 0u;
-    found_ray ray = found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r,
-                              finer_pixel(block, which));
-    if (which != 0u) {
-        uint head = finer_head(block_count(), number - 1u, which);
-        ray.light = lit[head];
-        ray.distance_m = lit[head + 1u].x;
+    if (!moves) {
+        return found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r, ray_pixel(block));
     }
-    return ray;
+    uint own = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
+    uint head = which != 0u ? finer_head(block_count(), number - 1u, which) : own;
+    return found_ray(lit[head], lit[head + 1u].x, finer_pixel(block, which));
 }
 
 /* What history has is lost, or was never there. */
 const vec4 lost = vec4(1.0e4);
-
-/* Cloud so far away, what the host has drawn. */
-bool hides(vec4 light, float distance_m, float end_m) {
-    return light.a < shut && alike_ratio * distance_m < end_m;
-}
 
 /* How far so many samples are from having stepped from all places, 0..1. */
 float waits(float samples) {
@@ -409,8 +388,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float blend = 0.0;
     vec4 mixed = vec4(0.0);
     float weights = 0.0;
+    float near = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
-    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < (own ? 1 : 4); ++k) {
+    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < (own && !moves ? 1 : 4); ++k) {
         found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
         vec4 light = there.light;
         float distance_m = there.distance_m;
@@ -419,9 +399,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         bool fit = true;
         if (has_depth) {
             fit = hides(light, distance_m, end_m) || alike(end_of(host_distance(there.pixel, ray)), end_m);
-            weight = max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
+            weight = own ? weight : max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
         }
         mixed += weight * light;
+        near += weight * nearness(distance_m, ray.direction);
         weights += weight;
         blend += weight * (1.0 - light.a) * distance_m;
         distance_m = distance_m > 0.0 ? distance_m : nothing_m();
@@ -440,6 +421,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     if (moves || (has_depth && !own)) {
         fresh.light = mixed / weights;
         blend /= weights;
+        near /= weights;
     }
     fresh.distance_m = blend > 0.0 ? distance_in(blend, 1.0 - fresh.light.a) : fresh.distance_m;
     if (has_depth && !own && !fits && fresh.distance_m > end_m) {
@@ -515,7 +497,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         float opacity = 1.0 - old.light.a;
         float added = own || calm ? 0.0 : max(old.light.a - held.a, 0.0);
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
-        old.light = own || calm ? old.light : held;
+        old.light = calm ? old.light : held;
         count = count < 0.5 ? 0.0 : max(count, 1.0);
         float most = calm_turns() != 0u ? 0.0 : smoothstep(handed_on_from, handed_on_to, moved_pixels(place, pixel));
         count = min(count, mix(view.scale.w, handed_on, most));
@@ -534,6 +516,11 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         /* What history counts for when a ray comes is asked then; what has had its rays keeps them while the view stands. */
         bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || calm_turns() != 0u);
         result.samples = stands ? max(count, min(old.samples, places_of_steps)) : count;
+    }
+    if (moves) {
+        float product = mix((1.0 - result.light.a) * result.distance_m, (1.0 - fresh.light.a) * fresh.distance_m, near);
+        result.light = mix(result.light, fresh.light, near);
+        result.distance_m = distance_in(product, 1.0 - result.light.a);
     }
     shown = result.light;
     if (moves && calm_turns() == 0u && result.distance_m > 0.0) {

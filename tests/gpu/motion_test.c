@@ -534,6 +534,69 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
     }
 }
 
+static double green(const float *rgb, int x, int y) {
+    return (double)rgb[3 * (y * FINE_W + x) + 1];
+}
+
+/* How far the light of pixels is off against that of those beside them, of what is there at rest: root of the mean
+ * square. */
+static double grain(const float *moving, const float *rest) {
+    double sum = 0.0;
+    for (int y = 1; y < FINE_H - 1; y++) {
+        for (int x = 1; x < FINE_W - 1; x++) {
+            double beside = 0.0;
+            for (int k = -1; k <= 1; k += 2) {
+                beside +=
+                    green(moving, x + k, y) / green(rest, x + k, y) + green(moving, x, y + k) / green(rest, x, y + k);
+            }
+            const double off = green(moving, x, y) / green(rest, x, y) - 0.25 * beside;
+            sum += off * off;
+        }
+    }
+    return sqrt(sum / ((FINE_W - 2) * (FINE_H - 2)));
+}
+
+/* Cloud that an eye flies into at 240 m/s passes before its pixels have rays of their own: it shows no grain all the
+ * same, and is as bright as it is, whether the host gives depth or not. */
+static void near_cloud_passes_without_grain(void **state) {
+    (void)state;
+    static const float clear_depth_m[FINE_PIXELS];
+    static float moving[FINE_PIXELS * 3];
+    static rig r;
+    enum { BEGINS_M = -160, STEP_M = 4, FIRST_SEEN = 40, SEEN_EVERY = 8, FRAMES = 57 };
+    for (int turn = 0; turn < 2; turn++) {
+        velum_layer cumulus = fixture_cumulus();
+        cumulus.coverage = 0.6f;
+        rig_init_sized(&r, &cumulus, FINE_W, FINE_H);
+        r.tan_x = 0.3f;
+        r.depth_m = turn == 1 ? clear_depth_m : NULL;
+        const double base_m = (double)cumulus.base_m;
+        double most = 0.0, worst_off = 0.0;
+        for (uint32_t seen = FIRST_SEEN; seen < FRAMES; seen += SEEN_EVERY) {
+            for (uint32_t i = 0; i <= seen; i++) {
+                draw(&r, base_m + BEGINS_M + STEP_M * i, 0.4, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+                r.time_s += FRAME_S;
+            }
+            memcpy(moving, r.light, sizeof moving);
+            r.time_s -= FRAME_S;
+            for (uint32_t i = 0; i < AT_REST; i++) {
+                draw(&r, base_m + BEGINS_M + STEP_M * seen, 0.4, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+            }
+            double sum = 0.0, rest = 0.0;
+            for (int i = 0; i < FINE_PIXELS * 3; i++) {
+                sum += (double)moving[i];
+                rest += (double)r.light[i];
+            }
+            most = fmax(most, grain(moving, r.light));
+            worst_off = fmax(worst_off, fabs(sum / rest - 1.0));
+        }
+        print_message("into near cloud: grain of %.4f, mean off by %.4f at most\n", most, worst_off);
+        assert_true(most <= 0.005);
+        assert_true(worst_off <= 0.02);
+        rig_finish(&r);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
@@ -545,6 +608,7 @@ int main(void) {
                                        cmocka_unit_test(views_of_any_size_stand),
                                        cmocka_unit_test(calm_tiles_have_rays_where_the_host_draws_anew),
                                        cmocka_unit_test(handing_on_takes_no_light),
-                                       cmocka_unit_test(standing_under_drifting_cloud_is_sharp)};
+                                       cmocka_unit_test(standing_under_drifting_cloud_is_sharp),
+                                       cmocka_unit_test(near_cloud_passes_without_grain)};
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }

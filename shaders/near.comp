@@ -1,0 +1,51 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+/* Where views move: rays to cloud that shows nothing between them are taken together with those beside them. It passes
+ * faster than its pixels have rays of their own, and rays differ by where they step. */
+#include "due.glsl"
+layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
+layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
+layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
+
+layout(constant_id = 6) const bool has_depth = true;
+
+/* Four rays side by side step from all places: 1, 2, 2, 2, 1 of 8 in a row, and so of rows. */
+const int reach = 2;
+const float whole = 64.0;
+float share_of(ivec2 beside) {
+    return (abs(beside.x) < reach ? 2.0 : 1.0) * (abs(beside.y) < reach ? 2.0 : 1.0) / whole;
+}
+
+void main() {
+    ivec2 block = picture_block();
+    if (!is_in_picture(block)) {
+        return;
+    }
+    ivec2 last = ivec2(view.march_size.xy) - 1;
+    vec4 own = texelFetch(march_light, block, 0);
+    float own_m = texelFetch(march_distance, block, 0).r;
+    view_ray ray = ray_of_pixel(ray_pixel(block));
+    float own_near = nearness(own_m, ray.direction);
+    float end_m = has_depth ? end_of(host_distance(ray_pixel(block), ray)) : 0.0;
+    /* What goes from ray to ray is the same both ways: light stays what it is on the mean. */
+    vec4 light = own;
+    float product = (1.0 - own.a) * own_m;
+    float own_product = product;
+    for (int k = 0; k < 25; ++k) {
+        ivec2 beside = ivec2(k % 5, k / 5) - reach;
+        ivec2 there = clamp(block + beside, ivec2(0), last);
+        vec4 other = texelFetch(march_light, there, 0);
+        float other_m = texelFetch(march_distance, there, 0).r;
+        float share = share_of(beside) * max(own_near, nearness(other_m, ray.direction));
+        if (has_depth) {
+            float there_m = end_of(host_distance(ray_pixel(there), ray));
+            bool fit = alike(end_m, there_m) || (hides(own, own_m, there_m) && hides(other, other_m, end_m));
+            share = fit ? share : 0.0;
+        }
+        light += share * (other - own);
+        product += share * ((1.0 - other.a) * other_m - own_product);
+    }
+    uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
+    lit[head] = light;
+    lit[head + 1u].x = light.a < 1.0 ? product / (1.0 - light.a) : 0.0;
+}
