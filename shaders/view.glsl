@@ -120,7 +120,7 @@ bool hides(vec4 light, float distance_m, float end_m) {
 }
 
 /* As wide as near cloud shows anything, m; rays to that, from which on, and from which wholly, they tell all of it. */
-const float near_detail_m = 10.0, near_from = 1.5, near_to = 3.0;
+const float near_detail_m = 6.0, near_from = 1.5, near_to = 3.0;
 /* Pixels that it moves in a frame beyond what the eye turns, from which on, and from which wholly, what has moved says
  * less. */
 const float near_moves_from = 0.5, near_moves_to = 2.0;

@@ -5,10 +5,10 @@
 #include "chart.h"
 #include "sample_host/files.h"
 
-enum { COLUMNS = 4, ROWS = 5, SHOWN = COLUMNS * ROWS, GAP = 4, SHADOW_FRAMES = 15 };
+enum { COLUMNS = 4, ROWS = 5, SHOWN = COLUMNS * ROWS, GAP = 4, SHADOW_FRAMES = 60 };
 
-/* 24 s at 250 m/s and 15 frames a second: over the tops, down between the towers, banking, out under the bases. */
-static const double frame_s = 1.0 / 15.0, speed_m_s = 250.0, length_s = 24.0;
+/* 24 s at 250 m/s and 60 frames a second: over the tops, down between the towers, banking, out under the bases. */
+static const double frame_s = 1.0 / 60.0, speed_m_s = 250.0, length_s = 24.0;
 static const char *const sky =
     "{\"velum\": 1, \"title\": \"flight\", \"start\": \"2014-12-18T12:00:00Z\", \"seed\": 5,"
     "\"sun\": {\"azimuth_deg\": 240, \"elevation_deg\": 24, \"illuminance_lx\": [128000, 128000, 128000]},"
