@@ -359,8 +359,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
         (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
                (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
-    const pass moving = history->has_depth ? PASS_NEAR_DEPTH : PASS_NEAR;
-    const pass near = history->way == HISTORY_MOVES ? moving : PASS_COUNT;
+    const pass near_of_depth = history->has_depth ? PASS_NEAR_DEPTH : PASS_NEAR;
+    const pass near = history->way == HISTORY_MOVES ? near_of_depth : PASS_COUNT;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
         return (view_passes){.march = (pass)(PASS_MARCH_STUDY + kind),
@@ -418,7 +418,8 @@ static void record_rays(view *v, VkCommandBuffer commands, const velum_view_bloc
     }
 }
 
-/* Rays, listed first where not each block has one; the light of the places that they have found; both together. */
+/* Rays, listed first where not each block has one; the light of the places that they have found; both together; in
+ * motion rays to near cloud with those beside them. */
 static void record_march(view *v, VkCommandBuffer commands, const velum_view_block *block, const view_passes *which) {
     engine *e = v->eye->e;
     gpu *g = &e->g;

@@ -34,9 +34,10 @@ void main() {
     ivec2 block = picture_block();
     uint lane = gl_LocalInvocationIndex;
     bool is_in = is_in_picture(block);
-    /* Of near cloud blocks' rays tell enough. */
-    float far = is_in ? 1.0 - nearness(texelFetch(march_distance, block, 0).r, ray_of_pixel(ray_pixel(block)).direction) : 0.0;
-    float contrast = is_in ? far * contrast_around(block) : 0.0;
+    float contrast = is_in ? contrast_around(block) : 0.0;
+    /* Rays of blocks tell enough of near cloud, but for its edges. */
+    float nearby = nearness(texelFetch(march_distance, block, 0).r, ray_of_pixel(ray_pixel(block)).direction);
+    contrast *= 1.0 - nearby * sees_alike(contrast);
     contrasts[lane] = contrast;
     barrier();
     uint before_it = 0u;

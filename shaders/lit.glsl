@@ -8,7 +8,7 @@
 
 /* Of a ray, VELUM_LIT_PLACES, or VELUM_FINER_PLACES where blocks may have more rays. As the march leaves it: distance m and
  * length m of the step, share of the picture, slot (or VELUM_PART_*). As light.comp leaves it: luminance times that share;
- * how far beyond, m, times that share, its light comes from. */
+ * how far beyond, m, times that share, its light comes from. In motion near.comp leaves the ray itself there: own_head. */
 layout(set = 1, binding = VELUM_BIND_LIT, std430) buffer lit_buffer {
     uint lit_columns, lit_rows, lit_layers; /* of the dispatch */
     uint lit_count;                         /* of the list */

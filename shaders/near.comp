@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-/* Where views move: rays to cloud that shows nothing between them are taken together with those beside them. It passes
- * faster than its pixels have rays of their own, and rays differ by where they step. */
+/* Where views move: rays of blocks as resolve.comp takes them. Those to cloud so near that it has no detail between them
+ * are taken together with those beside them, for they differ by where they step, and such cloud passes before its pixels
+ * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. */
 #include "due.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
@@ -9,6 +10,8 @@ layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_
 
 layout(constant_id = 6) const bool has_depth = true;
 
+/* Distances of one surface of the host's, so many rays apart. */
+const float one_ratio = 1.3;
 /* Four rays side by side step from all places: 1, 2, 2, 2, 1 of 8 in a row, and so of rows. */
 const int reach = 2;
 const float whole = 64.0;
@@ -27,7 +30,7 @@ void main() {
     view_ray ray = ray_of_pixel(ray_pixel(block));
     float own_near = nearness(own_m, ray.direction);
     float end_m = has_depth ? end_of(host_distance(ray_pixel(block), ray)) : 0.0;
-    /* What goes from ray to ray is the same both ways: light stays what it is on the mean. */
+    /* What goes from ray to ray is the same both ways, but at the picture's border: light stays what it is on the mean. */
     vec4 light = own;
     float product = (1.0 - own.a) * own_m;
     float own_product = product;
@@ -36,10 +39,12 @@ void main() {
         ivec2 there = clamp(block + beside, ivec2(0), last);
         vec4 other = texelFetch(march_light, there, 0);
         float other_m = texelFetch(march_distance, there, 0).r;
-        float share = share_of(beside) * max(own_near, nearness(other_m, ray.direction));
+        float near = max(own_near, nearness(other_m, ray.direction));
+        float share = share_of(beside) * near * sees_alike(abs(other.a - own.a));
         if (has_depth) {
             float there_m = end_of(host_distance(ray_pixel(there), ray));
-            bool fit = alike(end_m, there_m) || (hides(own, own_m, there_m) && hides(other, other_m, end_m));
+            bool one = end_m < one_ratio * there_m && there_m < one_ratio * end_m;
+            bool fit = one || (hides(own, own_m, there_m) && hides(other, other_m, end_m));
             share = fit ? share : 0.0;
         }
         light += share * (other - own);

@@ -388,7 +388,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float blend = 0.0;
     vec4 mixed = vec4(0.0);
     float weights = 0.0;
-    float near = 0.0;
+    float nearby = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
     for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < (own && !moves ? 1 : 4); ++k) {
         found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
@@ -402,7 +402,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
             weight = own ? weight : max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
         }
         mixed += weight * light;
-        near += weight * nearness(distance_m, ray.direction);
+        nearby += weight * nearness(distance_m, ray.direction);
         weights += weight;
         blend += weight * (1.0 - light.a) * distance_m;
         distance_m = distance_m > 0.0 ? distance_m : nothing_m();
@@ -421,7 +421,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     if (moves || (has_depth && !own)) {
         fresh.light = mixed / weights;
         blend /= weights;
-        near /= weights;
+        nearby *= sees_alike(high.a - low.a) / weights;
     }
     fresh.distance_m = blend > 0.0 ? distance_in(blend, 1.0 - fresh.light.a) : fresh.distance_m;
     if (has_depth && !own && !fits && fresh.distance_m > end_m) {
@@ -518,8 +518,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.samples = stands ? max(count, min(old.samples, places_of_steps)) : count;
     }
     if (moves) {
-        float product = mix((1.0 - result.light.a) * result.distance_m, (1.0 - fresh.light.a) * fresh.distance_m, near);
-        result.light = mix(result.light, fresh.light, near);
+        float product = mix((1.0 - result.light.a) * result.distance_m, (1.0 - fresh.light.a) * fresh.distance_m, nearby);
+        result.light = mix(result.light, fresh.light, nearby);
         result.distance_m = distance_in(product, 1.0 - result.light.a);
     }
     shown = result.light;

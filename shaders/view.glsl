@@ -120,12 +120,12 @@ bool hides(vec4 light, float distance_m, float end_m) {
 }
 
 /* As wide as near cloud shows anything, m; rays to that, from which on, and from which wholly, they tell all of it. */
-const float near_detail_m = 6.0, near_from = 1.5, near_to = 3.0;
+const float near_detail_m = 8.0, near_from = 1.5, near_to = 3.0;
 /* Pixels that it moves in a frame beyond what the eye turns, from which on, and from which wholly, what has moved says
  * less. */
 const float near_moves_from = 0.5, near_moves_to = 2.0;
 /* How far cloud so far away in a direction is better told by blocks' rays beside one than by what pixels have had, 0..1.
- * 0 m: there is none. */
+ * 0 m: there is none. The eye's way counts alone: the wind's is short beside it. */
 float nearness(float distance_m, vec3 direction) {
     float pixel_m = distance_m * (view.up.w - view.right.w) / float(view.size.x);
     float ray_m = distance_m * (view.up.w - view.right.w) / float(view.march_size.x);
@@ -135,6 +135,12 @@ float nearness(float distance_m, vec3 direction) {
     float near = smoothstep(near_from, near_to, near_detail_m / max(ray_m, 1.0e-6)) *
                  smoothstep(near_moves_from, near_moves_to, moved_m / max(pixel_m, 1.0e-6));
     return none ? 0.0 : near;
+}
+
+/* Of rays whose transmittances differ by so much, 0..1: how far they see one thing. Between others there is an edge, which
+ * stays sharp. */
+float sees_alike(float apart) {
+    return 1.0 - smoothstep(0.1, 0.4, apart);
 }
 
 /* The pixel of a block that has the ray in this frame. */
