@@ -597,6 +597,37 @@ static void near_cloud_passes_without_grain(void **state) {
     }
 }
 
+/* Clouds that pass at 120 m/s, in a view as fine as a window's: their edges are no softer than what history tells of
+ * them. 0.099 of the mean light is off without near.comp, 0.110 where it takes rays together across edges. */
+static void edges_that_pass_stay_sharp(void **state) {
+    (void)state;
+    static float moving[FINE_PIXELS * 3];
+    static rig r;
+    enum { CLIMB_M = 2, FRAMES = 33 };
+    const velum_layer cumulus = fixture_cumulus();
+    rig_init_sized(&r, &cumulus, FINE_W, FINE_H);
+    r.tan_x = 0.0577f;
+    const double from_m = (double)cumulus.base_m + 1000.0;
+    for (uint32_t i = 0; i < FRAMES; i++) {
+        draw(&r, from_m + CLIMB_M * i, 0.0, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+        r.time_s += FRAME_S;
+    }
+    memcpy(moving, r.light, sizeof moving);
+    r.time_s -= FRAME_S;
+    for (uint32_t i = 0; i < AT_REST; i++) {
+        draw(&r, from_m + CLIMB_M * (FRAMES - 1), 0.0, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+    }
+    double off2 = 0.0, mean = 0.0;
+    for (int i = 0; i < FINE_PIXELS * 3; i++) {
+        const double off = (double)moving[i] - (double)r.light[i];
+        off2 += off * off / (FINE_PIXELS * 3);
+        mean += (double)r.light[i] / (FINE_PIXELS * 3);
+    }
+    print_message("edges that pass: %.4f of the mean light off\n", sqrt(off2) / mean);
+    assert_true(sqrt(off2) <= 0.105 * mean);
+    rig_finish(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
@@ -609,6 +640,7 @@ int main(void) {
                                        cmocka_unit_test(calm_tiles_have_rays_where_the_host_draws_anew),
                                        cmocka_unit_test(handing_on_takes_no_light),
                                        cmocka_unit_test(standing_under_drifting_cloud_is_sharp),
-                                       cmocka_unit_test(near_cloud_passes_without_grain)};
+                                       cmocka_unit_test(near_cloud_passes_without_grain),
+                                       cmocka_unit_test(edges_that_pass_stay_sharp)};
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }
