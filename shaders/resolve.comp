@@ -518,6 +518,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.samples = stands ? max(count, min(old.samples, places_of_steps)) : count;
     }
     if (moves) {
+        /* Of near cloud rays say all; where it has come from they tell badly. */
         float product = mix((1.0 - result.light.a) * result.distance_m, (1.0 - fresh.light.a) * fresh.distance_m, nearby);
         result.light = mix(result.light, fresh.light, nearby);
         result.distance_m = distance_in(product, 1.0 - result.light.a);

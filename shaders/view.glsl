@@ -119,10 +119,10 @@ bool hides(vec4 light, float distance_m, float end_m) {
     return light.a < shut && alike_ratio * distance_m < end_m;
 }
 
-/* As wide as near cloud shows anything, m; rays to that, from which on, and from which wholly, they tell all of it. */
+/* Width of what can be seen in near cloud, m; how many rays lie within it where they begin to tell all of it, and where
+ * they do. */
 const float near_detail_m = 8.0, near_from = 1.5, near_to = 3.0;
-/* Pixels that it moves in a frame beyond what the eye turns, from which on, and from which wholly, what has moved says
- * less. */
+/* Pixels that the eye's way moves it in a frame where history begins to say less than they, and where it does. */
 const float near_moves_from = 0.5, near_moves_to = 2.0;
 /* How far cloud so far away in a direction is better told by blocks' rays beside one than by what pixels have had, 0..1.
  * 0 m: there is none. The eye's way counts alone: the wind's is short beside it. */
