@@ -5,6 +5,7 @@
  * found most that differs. How many may have them is bounded group by group: what a frame costs is too, and which blocks
  * they are does not go by the order in which they are listed. */
 #include "due_list.glsl"
+#include "near.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;

@@ -4,6 +4,7 @@
  * are taken together with those beside them, for they differ by where they step, and such cloud passes before its pixels
  * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. */
 #include "due.glsl"
+#include "near.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;

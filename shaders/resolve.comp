@@ -5,6 +5,7 @@
 #include "shared/hash.h"
 #include "history.glsl"
 #include "lit.glsl"
+#include "near.glsl"
 /* Positions from the eye: the block is shifted to it. */
 #define VELUM_SHADOW_SET 0
 #define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
