@@ -40,10 +40,10 @@ struct due_ray {
 bool due_ray_here(out due_ray ray) {
     bool finer = view_flag(VELUM_VIEW_BLOCK_FINER);
     ray.which = 0u;
-    ray.places = finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
+    ray.places = ray_places(finer);
     if (calm_turns() == 0u && !finer) {
         ray.block = picture_block();
-        ray.place = ray_of(ray.block) * ray.places;
+        ray.place = own_head(ray_of(ray.block), finer);
         return is_in_picture(ray.block);
     }
     uint index = listed_index();
@@ -52,7 +52,7 @@ bool due_ray_here(out due_ray ray) {
     ray.which = finer ? listed & 3u : 0u;
     listed = finer ? listed >> 2u : listed;
     ray.block = block_at(listed);
-    ray.place = listed * ray.places;
+    ray.place = own_head(listed, finer);
     if (ray.which != 0u) {
         ray.place = finer_head(block_count(), rays[listed].y - 1u, ray.which) + 1u;
     }

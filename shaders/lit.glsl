@@ -37,9 +37,14 @@ uint finer_head(uint rays, uint finer, uint which) {
     return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);
 }
 
+/* How many a ray may have. */
+uint ray_places(bool finer) {
+    return finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
+}
+
 /* Of a block's own ray, its first place: near.comp leaves the same there, once its places have been gathered. */
 uint own_head(uint ray, bool finer) {
-    return ray * (finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES));
+    return ray * ray_places(finer);
 }
 
 #endif

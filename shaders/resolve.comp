@@ -391,7 +391,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float weights = 0.0;
     float nearby = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
-    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < (own && !moves ? 1 : 4); ++k) {
+    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < 4; ++k) {
         found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
         vec4 light = there.light;
         float distance_m = there.distance_m;

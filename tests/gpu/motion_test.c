@@ -69,6 +69,23 @@ static void draw(rig *r, double height_m, double climb_rad, const float jitter[2
     assert_true(r->f.standalone_api->render(r->f.engine, &frame, &eye, 1, 0, &pixels, 1, 0) >= 0);
 }
 
+/* From a cut on, until nothing more changes. */
+static void settle(rig *r, double height_m, double climb_rad) {
+    for (uint32_t i = 0; i < AT_REST; i++) {
+        draw(r, height_m, climb_rad, steady, i == 0 ? VELUM_VIEW_CUT : 0);
+    }
+}
+
+/* Light of another picture of as many pixels, of what there is. */
+static double light_of(const float *other, const rig *r) {
+    double sum = 0.0, here = 0.0;
+    for (uint32_t i = 0; i < r->width * r->height * 3; i++) {
+        sum += (double)other[i];
+        here += (double)r->light[i];
+    }
+    return sum / here;
+}
+
 /* Mean difference of transmittance. */
 static double apart(const rig *r, const float *other) {
     const uint32_t pixels = r->width * r->height;
@@ -95,9 +112,7 @@ static void what_is_left_behind_goes(void **state) {
     memcpy(moving, r.through, sizeof moving);
     height_m -= 4.0;
     r.time_s -= FRAME_S;
-    for (uint32_t i = 0; i < AT_REST; i++) {
-        draw(&r, height_m, 0.1, steady, i == 0 ? VELUM_VIEW_CUT : 0);
-    }
+    settle(&r, height_m, 0.1);
     const double left = apart(&r, moving);
     print_message("out of fog: %.4f of transmittance is not there yet\n", left);
     assert_true(left <= 0.02);
@@ -454,16 +469,10 @@ static void handing_on_takes_no_light(void **state) {
     const double under_m = (double)cumulus.base_m - 700.0;
     stand(&r, under_m, 200);
     memcpy(moving, r.light, sizeof moving);
-    for (uint32_t i = 0; i < AT_REST; i++) {
-        draw(&r, under_m, 0.5, steady, i == 0 ? VELUM_VIEW_CUT : 0);
-    }
-    double handed_on = 0.0, rest = 0.0;
-    for (int i = 0; i < PIXELS * 3; i++) {
-        handed_on += (double)moving[i];
-        rest += (double)r.light[i];
-    }
-    print_message("handed on: %.4f of the light at rest\n", handed_on / rest);
-    assert_true(fabs(handed_on / rest - 1.0) <= 0.01);
+    settle(&r, under_m, 0.5);
+    const double handed_on = light_of(moving, &r);
+    print_message("handed on: %.4f of the light at rest\n", handed_on);
+    assert_true(fabs(handed_on - 1.0) <= 0.01);
     rig_finish(&r);
 }
 
@@ -513,9 +522,7 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
             leap = fmax(leap, apart(&r, stopped));
         }
         memcpy(stopped, r.through, sizeof stopped);
-        for (uint32_t i = 0; i < AT_REST; i++) {
-            draw(&r, under_m, 0.5, steady, i == 0 ? VELUM_VIEW_CUT : 0);
-        }
+        settle(&r, under_m, 0.5);
         const double resting = roughness(&r);
         memcpy(rested, r.through, sizeof rested);
         for (uint32_t i = 0; i < 4 * AT_REST; i++) {
@@ -579,16 +586,9 @@ static void near_cloud_passes_without_grain(void **state) {
             }
             memcpy(moving, r.light, sizeof moving);
             r.time_s -= FRAME_S;
-            for (uint32_t i = 0; i < AT_REST; i++) {
-                draw(&r, base_m + BEGINS_M + STEP_M * seen, 0.4, steady, i == 0 ? VELUM_VIEW_CUT : 0);
-            }
-            double sum = 0.0, rest = 0.0;
-            for (int i = 0; i < FINE_PIXELS * 3; i++) {
-                sum += (double)moving[i];
-                rest += (double)r.light[i];
-            }
+            settle(&r, base_m + BEGINS_M + STEP_M * seen, 0.4);
             most = fmax(most, grain(moving, r.light));
-            worst_off = fmax(worst_off, fabs(sum / rest - 1.0));
+            worst_off = fmax(worst_off, fabs(light_of(moving, &r) - 1.0));
         }
         print_message("into near cloud: grain of %.4f, mean off by %.4f at most\n", most, worst_off);
         assert_true(most <= 0.005);
@@ -614,9 +614,7 @@ static void edges_that_pass_stay_sharp(void **state) {
     }
     memcpy(moving, r.light, sizeof moving);
     r.time_s -= FRAME_S;
-    for (uint32_t i = 0; i < AT_REST; i++) {
-        draw(&r, from_m + CLIMB_M * (FRAMES - 1), 0.0, steady, i == 0 ? VELUM_VIEW_CUT : 0);
-    }
+    settle(&r, from_m + CLIMB_M * (FRAMES - 1), 0.0);
     double off2 = 0.0, mean = 0.0;
     for (int i = 0; i < FINE_PIXELS * 3; i++) {
         const double off = (double)moving[i] - (double)r.light[i];
