@@ -38,9 +38,13 @@ const float at_eye_m = 12.0, wider = 0.5;
 #ifdef VELUM_STUDY
 const float dim = 0.3;
 #endif
-/* Of the opacity that a place has on the mean: with as much it stands for its layer alone, once the ray has left that.
- * Drizzle and cloud that lie in each other share places, or all would be on their first few metres. */
-const float other_least = 0.25;
+/* Opacity with which a place stands for its layer or its cloud alone, once the ray has left that: one place for the rim of
+ * a cloud and what lies far behind it would show the light of either, by chance. Drizzle and cloud that lie in each other
+ * share places, or all would be on their first few metres. */
+const float alone_least = 0.02;
+/* Clouds are two where so much of the way to the second lies between them. Not of fibres: they have many gaps, and one
+ * light. */
+const float apart_share = 0.03;
 /* Where a step begins cloud is thinner than where it is sampled. */
 const float entry_share = 0.7;
 /* A ray gives up where so little comes through; the rest is taken as none. */
@@ -151,8 +155,12 @@ void main() {
     uint first_place = of.place;
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
-    float pick = pick_offset(offset);
+    float first_pick = pick_offset(offset);
+    float pick = first_pick;
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
+    float until = 2.0;            /* as little comes through where the newest place's part ends */
+    float left_m = 0.0;           /* where the ray has last left cloud */
+    uint kept = of.places > 2u ? 1u : 0u; /* place for what may lie behind the first cloud */
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -379,19 +387,26 @@ void main() {
         weighted += alpha * min(lit_at + place_m, end);
 #else
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
-        bool deeper = through < 1.0 - float(places) / float(of.places);
-        bool left_behind = ((lately | newly) & (1u << uint(place.w))) == 0u && place.z > other_least / float(of.places);
-        bool other = float(part) != place.w && (uniform_layer || left_behind);
+        bool deeper = through < until;
+        bool alone = place.z > alone_least;
+        bool apart = alone && slot != VELUM_SLOT_HIGH && start_m > (1.0 + apart_share) * left_m;
+        bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
+        bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
         bool fits = places < of.places && (deeper || other);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = place;
         }
+        kept = opens && !deeper ? 0u : kept;
+        until = opens ? through - through / max(float(of.places) - float(kept + places), 1.0) : until;
         places += opens ? 1u : 0u;
+        left_m = alpha > 0.0 ? start_m + dt : left_m;
         place.z = (opens ? 0.0 : place.z) + alpha;
         float share = alpha / max(place.z, 1.0e-20);
         bool takes = alpha > 0.0 && pick < share;
-        pick = opens || alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        pick = alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        /* Light fades along a ray: what one part is shown too bright by, the next is too dark by. */
+        pick = opens ? (places & 1u) != 0u ? first_pick : 1.0 - first_pick : pick;
         newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
         lately = ends ? newly : lately;
         newly = ends ? 0u : newly;
