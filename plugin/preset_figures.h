@@ -14,7 +14,7 @@ typedef struct preset_figures {
 
 /* Low, medium, high, ultra. */
 static const preset_figures preset_figures_of[PRESETS] = {
-    {0.097f, 2.0f}, {0.093f, 2.4f}, {0.092f, 3.5f}, {0.092f, 5.0f}};
+    {0.097f, 1.9f}, {0.093f, 2.3f}, {0.092f, 3.4f}, {0.092f, 4.7f}};
 
 /* The cheapest whose error is not above this; where there is none, the cheapest of those with the least. */
 static inline uint32_t preset_for_error(float error) {
