@@ -9,6 +9,7 @@
 #include "gpu.h"
 #include "pages.h"
 #include "shared/arguments.h"
+#include "shared/lit.h"
 #include "shared/scattering.h"
 #include "sky_key.h"
 #include "tiles.h"

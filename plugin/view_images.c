@@ -5,8 +5,7 @@
 
 static VkDeviceSize list_at(uint32_t rays_w, uint32_t rays_h) {
     const VkDeviceSize step = 256; /* storage buffers' offsets are multiples of at most this (Vulkan 1.3, limits) */
-    const VkDeviceSize bytes =
-        VELUM_LIT_HEAD_BYTES + (VkDeviceSize)rays_w * rays_h * VELUM_LIT_PLACES * VELUM_LIT_BYTES;
+    const VkDeviceSize bytes = VELUM_LIT_HEAD_BYTES + (VkDeviceSize)rays_w * rays_h * VELUM_LIT_ROOM * VELUM_LIT_BYTES;
     return (bytes + step - 1) / step * step;
 }
 
@@ -32,7 +31,7 @@ static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     const VkDeviceSize blocks = (VkDeviceSize)w * h;
     const VkDeviceSize rays = blocks + blocks * VELUM_FINER_NINTHS / 9 * 3;
-    const VkDeviceSize bytes = list_at(w, h) + (blocks * VELUM_LIT_PLACES + rays) * sizeof(uint32_t);
+    const VkDeviceSize bytes = list_at(w, h) + (blocks * VELUM_LIT_ROOM + rays) * sizeof(uint32_t);
     const VkDeviceSize tiles_w = (w + VELUM_TILE_RAYS_W - 1) / VELUM_TILE_RAYS_W;
     const VkDeviceSize ray_count = blocks + tiles_w * ((h + VELUM_TILE_RAYS_H - 1) / VELUM_TILE_RAYS_H);
     bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&

@@ -23,7 +23,7 @@ ivec2 block_at(uint index) {
 }
 /* Of the list of rays in lit_list; of that of finer blocks, behind the places that there can be with them. */
 uint due_first() {
-    return block_count() * uint(VELUM_LIT_PLACES);
+    return block_count() * uint(VELUM_LIT_ROOM);
 }
 uint finer_first() {
     return due_first() - block_count() / 4u;

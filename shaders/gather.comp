@@ -39,22 +39,28 @@ void main() {
     }
     /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
     bool more = of.which != 0u;
-    vec4 found = more ? lit[of.place - 1u] : texelFetch(march_light, of.block, 0);
-    float distance_m = more ? found.z : texelFetch(march_distance, of.block, 0).r;
+    vec4 found = texelFetch(march_light, of.block, 0);
+    float distance_m = texelFetch(march_distance, of.block, 0).r;
     uint first = of.place;
+    if (more) {
+        vec4 head = unpack_place(lit[first - 1u]);
+        found = vec4(head.w, head.z, 0.0, head.y);
+        distance_m = head.x;
+    }
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < uint(found.x); ++i) {
-        sum += lit[first + i];
+        sum += unpack_halves(lit[first + i]);
     }
+    sum.rgb *= VELUM_LUMINANCE_UNIT;
     bool any = found.y > 0.0;
     /* 0: next to nothing, of which the march tells no distance. */
     distance_m = any && distance_m > 0.0 ? max(distance_m + sum.a / found.y, 0.0) : distance_m;
     view_ray ray = ray_of_pixel(finer_pixel(of.block, of.which));
     vec3 light = air_before_cloud(ray.origin, ray.direction, sum.rgb, found.a, distance_m, any);
-    vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), found.a);
+    vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(most_half)), found.a);
     if (more) {
-        lit[of.place - 1u] = whole;
-        lit[of.place].x = distance_m;
+        lit[first - 1u] = pack_halves(whole);
+        lit[first].x = floatBitsToUint(distance_m);
         return;
     }
     /* Later frames look between rays of earlier ones too. */

@@ -17,7 +17,7 @@ void main() {
         return;
     }
     uint place = lit_list[index];
-    vec4 found = lit[place];
+    vec4 found = unpack_place(lit[place]);
     ivec2 pixel = pixel_of_place(place);
     view_ray ray = ray_of_pixel(pixel);
     float offset = step_offset(pixel);
@@ -42,7 +42,8 @@ void main() {
     int steps = int(view.steps.y) * (is_fringe(hit) ? fringe_sun_steps : 1);
     vec3 source = cloud_source(hit, ray_phases_of(dot(ray.direction, eye.sun.xyz)), steps,
                                0.25 + 0.5 * offset, place_m);
-    lit[place] = vec4(source, place_m) * found.z;
+    vec4 light = vec4(source / VELUM_LUMINANCE_UNIT, place_m) * found.z;
+    lit[place] = pack_halves(clamp(light, -most_half, most_half));
 
     uint samples = subgroupAdd(uint(steps));
     if (subgroupElect()) {

@@ -5,20 +5,43 @@
 #define VELUM_LIT_GLSL
 
 #include "shared/arguments.h"
+#include "shared/lit.h"
 
-/* Of a ray, VELUM_LIT_PLACES, or VELUM_FINER_PLACES where blocks may have more rays. As the march leaves it: distance m and
- * length m of the step, share of the picture, slot (or VELUM_PART_*). As light.comp leaves it: luminance times that share;
- * how far beyond, m, times that share, its light comes from. In motion near.comp leaves the ray itself there: own_head. */
+/* Of a ray, VELUM_LIT_PLACES, or VELUM_FINER_PLACES where blocks may have more rays. As the march leaves it: pack_place.
+ * As light.comp leaves it, four halves: luminance / VELUM_LUMINANCE_UNIT times the place's share; how far beyond, m, times
+ * that share, its light comes from. In motion near.comp leaves the ray itself there: see own_head. */
 layout(set = 1, binding = VELUM_BIND_LIT, std430) buffer lit_buffer {
     uint lit_columns, lit_rows, lit_layers; /* of the dispatch */
     uint lit_count;                         /* of the list */
     uint due_columns, due_rows, due_layers, due_count; /* see due.glsl */
     uint finer_count, finer_unused_1, finer_unused_2, finer_unused_3; /* blocks: see finer.comp */
-    vec4 lit[];
+    uvec2 lit[];
 };
 layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
     uint lit_list[];
 };
+
+const float most_half = 60000.0; /* to spare what a device may round up */
+
+/* Distance m and length m of the step, share of the picture, slot (or VELUM_PART_*). The least bits of the distance, 2e-6
+ * of it, are the part's; the others are halves. */
+const uint part_bits = 31u;
+const float length_unit_m = 16.0;
+uvec2 pack_place(vec4 place) {
+    uint distance_bits = (floatBitsToUint(place.x) & ~part_bits) | uint(place.w);
+    return uvec2(distance_bits, packHalf2x16(vec2(min(place.y / length_unit_m, most_half), place.z)));
+}
+vec4 unpack_place(uvec2 place) {
+    vec2 halves = unpackHalf2x16(place.y);
+    return vec4(uintBitsToFloat(place.x & ~part_bits), length_unit_m * halves.x, halves.y, float(place.x & part_bits));
+}
+
+uvec2 pack_halves(vec4 x) {
+    return uvec2(packHalf2x16(x.xy), packHalf2x16(x.zw));
+}
+vec4 unpack_halves(uvec2 x) {
+    return vec4(unpackHalf2x16(x.x), unpackHalf2x16(x.y));
+}
 
 /* An invocation's place in a list, in a dispatch over that; rows of such a dispatch. */
 uint listed_index() {
@@ -30,9 +53,10 @@ uint listed_rows(uint count) {
     return (count + in_row - 1u) / in_row;
 }
 
-/* Head of a ray more of a finer block, the `which`th of three (1..3): as the march leaves it number of places, their share
- * of the picture, their distance, transmittance; as gather.comp leaves it light and transmittance, and then distance. Its
- * places follow. `finer`: the block's number among its like. `rays`: one for each block. */
+/* Head of a ray more of a finer block, the `which`th of three (1..3): as the march leaves it distance m, transmittance,
+ * share of the picture and number of its places, in the order of pack_place; as gather.comp leaves it light and
+ * transmittance, and then distance. Its places follow. `finer`: the block's number among its like. `rays`: one for each
+ * block. */
 uint finer_head(uint rays, uint finer, uint which) {
     return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);
 }

@@ -160,7 +160,7 @@ void main() {
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
     float until = 2.0;            /* as little comes through where the newest place's part ends */
     float left_m = 0.0;           /* where the ray has last left cloud */
-    uint kept = of.places > 2u ? 1u : 0u; /* place for what may lie behind the first cloud */
+    uint kept = 1u;               /* place, for what may lie behind the first cloud */
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -395,7 +395,7 @@ void main() {
         bool fits = places < of.places && (deeper || other);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
-            lit[first_place + places - 1u] = place;
+            lit[first_place + places - 1u] = pack_place(place);
         }
         kept = opens && !deeper ? 0u : kept;
         until = opens ? through - through / max(float(of.places) - float(kept + places), 1.0) : until;
@@ -428,13 +428,13 @@ void main() {
     float distance_m = weight > 1.0e-4 ? weighted / weight : 0.0;
 #ifdef VELUM_STUDY
     light = air_before_cloud(ray.origin, ray.direction, light, through, distance_m, weight > 0.0);
-    imageStore(light_out, block, vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(60000.0)), through));
+    imageStore(light_out, block, vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(most_half)), through));
 #else
     if (places > 0u) {
-        lit[first_place + places - 1u] = place;
+        lit[first_place + places - 1u] = pack_place(place);
     }
     if (of.which != 0u) {
-        lit[first_place - 1u] = vec4(float(places), weight, distance_m, through);
+        lit[first_place - 1u] = pack_place(vec4(distance_m, through, weight, float(places)));
     } else {
         imageStore(light_out, block, vec4(float(places), weight, 0.0, through));
     }

@@ -52,6 +52,6 @@ void main() {
         product += share * ((1.0 - other.a) * other_m - own_product);
     }
     uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
-    lit[head] = light;
-    lit[head + 1u].x = light.a < 1.0 ? product / (1.0 - light.a) : 0.0;
+    lit[head] = pack_halves(light);
+    lit[head + 1u].x = floatBitsToUint(light.a < 1.0 ? product / (1.0 - light.a) : 0.0);
 }

@@ -301,7 +301,7 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     }
     uint own = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
     uint head = which != 0u ? finer_head(block_count(), number - 1u, which) : own;
-    return found_ray(lit[head], lit[head + 1u].x, finer_pixel(block, which));
+    return found_ray(unpack_halves(lit[head]), uintBitsToFloat(lit[head + 1u].x), finer_pixel(block, which));
 }
 
 /* What history has is lost, or was never there. */

@@ -192,20 +192,4 @@ VELUM_STRUCT(velum_shadow_level_block) {
 /* Mean difference, from which on it has rays in every frame. */
 #define VELUM_RESTLESS 0.06f
 
-/* Places of a ray at which cloud's light is found, at most; bytes of one. Before them, of so many bytes each: dispatch
- * and count of the places, then those of the rays that are due, and the number of finer blocks. */
-#define VELUM_LIT_PLACES 4
-#define VELUM_LIT_BYTES 16
-#define VELUM_LIT_DISPATCH_BYTES 16
-#define VELUM_LIT_HEAD_BYTES (3 * VELUM_LIT_DISPATCH_BYTES)
-/* Where some blocks have four rays: places of any ray then; of a group of blocks that may have them, in ninths; the same
- * of 64; least contrast with the rays around. Two of nine with three rays more, of two places and a head, fill what one
- * ray with four places for each block does. */
-#define VELUM_FINER_PLACES 2
-#define VELUM_FINER_NINTHS 2
-#define VELUM_FINER_BLOCKS (64.0f * 2.0f / 9.0f)
-#define VELUM_FINER_CONTRAST 0.5f
-/* Columns of dispatches over lists; rows as many as it takes. */
-#define VELUM_LIT_COLUMNS 16
-
 #endif
