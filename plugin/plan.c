@@ -14,9 +14,9 @@ typedef struct preset {
     uint32_t standing_ray_rate; /* as its error allows; 0: none */
 } preset;
 
-static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 224, 3, 2, 160.0f, 0.014f, 256},
-                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 110.0f, 0.010f, 128},
-                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 60.0f, 0.006f, 64},
+static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 224, 3, 2, 110.0f, 0.014f, 256},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 70.0f, 0.010f, 128},
+                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 45.0f, 0.006f, 64},
                                  [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f, 0},
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f, 0}};

@@ -15,11 +15,11 @@ enum { WIDTH = 640, HEIGHT = 360, RAYS_ACROSS = WIDTH / 4, PAGES = 64, REPEATS =
 #define PLAY_STEP_S (1.0 / 60.0)
 /* Of medium's rays: four pixels apart, 60 degrees in all. */
 #define RAY_ANGLE (1.155f * 4.0f / WIDTH)
-/* Steps over the period: 110 m in a cumulus field's shape (10.5 km); 20 m, as in cloud, in its lumps (2.1 km); of a
- * page of some 10 km 110 m. See shaders/shared/density.h and plugin/plan.c. */
-#define SHAPE_STEP (110.0f / 10500.0f)
-#define DETAIL_STEP (20.0f / 2100.0f)
-#define PAGE_STEP (110.0f / 10000.0f)
+/* Steps over the period: 70 m in a cumulus field's shape (10.5 km); 13 m, as in cloud, in its lumps (2.1 km); of a
+ * page of some 10 km 70 m. See shaders/shared/density.h and plugin/plan.c. */
+#define SHAPE_STEP (70.0f / 10500.0f)
+#define DETAIL_STEP (13.0f / 2100.0f)
+#define PAGE_STEP (70.0f / 10000.0f)
 
 #define SHARE_BOUND 0.6
 
