@@ -3,6 +3,12 @@
 
 #include "engine.h"
 
+_Static_assert(9 * VELUM_FINER_PLACES + VELUM_FINER_NINTHS * 3 * (VELUM_FINER_PLACES + 1) <= 9 * VELUM_LIT_ROOM,
+               "finer rays have room for their places and heads");
+_Static_assert(9 * VELUM_FINER_PLACES + VELUM_FINER_NINTHS * (3 * VELUM_FINER_PLACES + 1) <= 9 * VELUM_LIT_ROOM &&
+                   9 > 4 * VELUM_FINER_NINTHS && VELUM_LIT_PLACES <= VELUM_LIT_ROOM,
+               "the list has room for all places and, in its last quarter of a block each, finer blocks");
+
 static VkDeviceSize list_at(uint32_t rays_w, uint32_t rays_h) {
     const VkDeviceSize step = 256; /* storage buffers' offsets are multiples of at most this (Vulkan 1.3, limits) */
     const VkDeviceSize bytes = VELUM_LIT_HEAD_BYTES + (VkDeviceSize)rays_w * rays_h * VELUM_LIT_ROOM * VELUM_LIT_BYTES;

@@ -37,7 +37,7 @@ void main() {
     if (!due_ray_here(of)) {
         return;
     }
-    /* As march.comp leaves it: number of places, their share of the picture, -, transmittance. */
+    /* As march.comp leaves it for a block's own ray: number of places, their share of the picture, -, transmittance. */
     bool more = of.which != 0u;
     vec4 found = texelFetch(march_light, of.block, 0);
     float distance_m = texelFetch(march_distance, of.block, 0).r;

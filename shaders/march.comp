@@ -42,9 +42,9 @@ const float dim = 0.3;
  * a cloud and what lies far behind it would show the light of either, by chance. Drizzle and cloud that lie in each other
  * share places, or all would be on their first few metres. */
 const float alone_least = 0.02;
-/* Clouds are two where so much of the way to the second lies between them. Not of fibres: they have many gaps, and one
- * light. */
-const float apart_share = 0.03;
+/* Clouds are two where so much of the way to the second lies between them, and so many metres. Not of fibres: they have
+ * many gaps, and one light; nor of uniform layers. */
+const float apart_share = 0.03, apart_least_m = 10.0;
 /* Where a step begins cloud is thinner than where it is sampled. */
 const float entry_share = 0.7;
 /* A ray gives up where so little comes through; the rest is taken as none. */
@@ -160,7 +160,7 @@ void main() {
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
     float until = 2.0;            /* as little comes through where the newest place's part ends */
     float left_m = 0.0;           /* where the ray has last left cloud */
-    uint kept = 1u;               /* place, for what may lie behind the first cloud */
+    uint kept = 1u;               /* places for what may lie behind the first cloud, until there is such */
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -389,7 +389,8 @@ void main() {
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
         bool deeper = through < until;
         bool alone = place.z > alone_least;
-        bool apart = alone && slot != VELUM_SLOT_HIGH && start_m > (1.0 + apart_share) * left_m;
+        bool even = uniform_layer || slot == VELUM_SLOT_HIGH;
+        bool apart = alone && !even && start_m > (1.0 + apart_share) * left_m + apart_least_m;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
         bool fits = places < of.places && (deeper || other);
@@ -400,13 +401,14 @@ void main() {
         kept = opens && !deeper ? 0u : kept;
         until = opens ? through - through / max(float(of.places) - float(kept + places), 1.0) : until;
         places += opens ? 1u : 0u;
-        left_m = alpha > 0.0 ? start_m + dt : left_m;
+        left_m = alpha > 0.0 && !uniform_layer ? start_m + dt : left_m;
         place.z = (opens ? 0.0 : place.z) + alpha;
         float share = alpha / max(place.z, 1.0e-20);
-        bool takes = alpha > 0.0 && pick < share;
+        bool takes = alpha > 0.0 && (opens || pick < share);
         pick = alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
         /* Light fades along a ray: what one part is shown too bright by, the next is too dark by. */
-        pick = opens ? (places & 1u) != 0u ? first_pick : 1.0 - first_pick : pick;
+        float new_pick = (places & 1u) != 0u ? first_pick : 1.0 - first_pick;
+        pick = opens ? new_pick : pick;
         newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
         lately = ends ? newly : lately;
         newly = ends ? 0u : newly;
