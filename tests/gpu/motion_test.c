@@ -536,7 +536,7 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
         assert_true(planned > 0.95 * drifting && planned < 1.05 * drifting);
         assert_true(least > 0.95 * drifting);
         assert_true(leap <= 0.0005);
-        assert_true(off <= 0.0015 && off <= rested_off + 0.0005);
+        assert_true(off <= 0.0015 && off <= rested_off + 0.0003);
         rig_finish(&r);
     }
 }
@@ -598,7 +598,8 @@ static void near_cloud_passes_without_grain(void **state) {
 }
 
 /* Clouds that pass at 120 m/s, in a view as fine as a window's: their edges are no softer than what history tells of
- * them. 0.109 of the mean light is off without near.comp, 0.114 where it takes rays together across edges. */
+ * them. By steps of 110 m 0.099 of the mean light is off without near.comp, 0.110 where it takes rays together across
+ * edges; by shorter ones those lie nearer to each other. */
 static void edges_that_pass_stay_sharp(void **state) {
     (void)state;
     static float moving[FINE_PIXELS * 3];
@@ -608,6 +609,11 @@ static void edges_that_pass_stay_sharp(void **state) {
     rig_init_sized(&r, &cumulus, FINE_W, FINE_H);
     r.tan_x = 0.0577f;
     const double from_m = (double)cumulus.base_m + 1000.0;
+    draw(&r, from_m, 0.0, steady, VELUM_VIEW_CUT);
+    velum_plan plan = {.struct_size = sizeof plan};
+    assert_int_equal(r.f.engine_api->get_plan(r.f.eye, &plan, NULL), VELUM_OK);
+    plan.step_m = 110.0f;
+    assert_int_equal(r.f.engine_api->set_plan(r.f.eye, &plan), VELUM_OK);
     for (uint32_t i = 0; i < FRAMES; i++) {
         draw(&r, from_m + CLIMB_M * i, 0.0, steady, i == 0 ? VELUM_VIEW_CUT : 0);
         r.time_s += FRAME_S;
@@ -622,7 +628,7 @@ static void edges_that_pass_stay_sharp(void **state) {
         mean += (double)r.light[i] / (FINE_PIXELS * 3);
     }
     print_message("edges that pass: %.4f of the mean light off\n", sqrt(off2) / mean);
-    assert_true(sqrt(off2) <= 0.111 * mean);
+    assert_true(sqrt(off2) <= 0.105 * mean);
     rig_finish(&r);
 }
 
