@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "bench.h"
+#include "sample_host/files.h"
 
 static const bench_case *const tables[] = {bench_frame_cases,   bench_weather_cases, bench_fetch_cases,
                                            bench_scaling_cases, bench_motion_cases,  bench_flicker_cases,
@@ -14,7 +15,7 @@ static int usage(int status) {
             "            [--shared DIR] [--plugin PATH] [--out DIR] [--size WxH]\n"
             "Medians over N rounds (7) of N frames (4) of each variant in turn. Without --case: all cases.\n"
             "--case motion: all of which the name begins with motion_, where none is called so.\n"
-            "--out: an existing folder, for charts and pictures. --size: of motion, flicker and budget (320x180).\n"
+            "--out: a folder for charts and pictures. --size: of motion, flicker and budget (320x180).\n"
             "--shared: real weather files (the environment's VELUM_SHARED). --plugin: VELUM_PLUGIN.\n");
     return status;
 }
@@ -144,6 +145,10 @@ int main(int argc, char **argv) {
         } else {
             return usage(2);
         }
+    }
+    struct files_folder folder;
+    if (b.out && !files_prepare_folder(b.out, &folder)) {
+        return 2;
     }
     if (!b.shared) {
         b.shared = "../shared";
