@@ -249,6 +249,17 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
     return way;
 }
 
+/* How the margin falls upwards, in e a metre, whatever the fine detail. */
+float falls_up_1_m(cloud_hit hit, float up_m) {
+    velum_slot_fields f = hit.fields;
+    vec3 p = hit.r + hit.normal * up_m;
+    float h = hit.height_m + up_m;
+    float z = clamp((h - f.base_m) / max(f.top_m - f.base_m, 1.0), 0.0, 1.0);
+    float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
+    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
+    return (here - velum_margin(hit.profile, e, z, lump_noise(hit.slot, f, p), 0.5)) / up_m;
+}
+
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
 velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
     velum_slot_fields f = hit.fields;
@@ -296,7 +307,7 @@ const float shaft_turns = 0.236, shaft_lit = 0.864; /* as turns and lit_depth, i
 const float field_share = 2.12;
 /* How a storm is lit. Fitted to the scene `thunderstorm` and references of cumulonimbus in a field. */
 const float storm_walls = 1.12;  /* light of walls, which is the most that storms have */
-const float storm_beside = 0.19; /* what flanks see of them */
+const float storm_beside = 0.2;  /* what flanks see of them */
 const float storm_turned = 0.38; /* light of faces, on the mean... */
 const float storm_meets = 0.28;  /* ... and more where the sun meets them straight */
 const float storm_full = 0.4;    /* of that, as much more where storms cover all */
@@ -304,9 +315,11 @@ const float storm_base = 0.14;   /* as below_share */
 const float storm_faces = 0.14;  /* how far tops are met as a deck's faces are, and not as a plane */
 const float storm_slope = 0.137; /* of the noise's period: over it the margin of a face at 45 degrees falls by 1 */
 const float storm_turns = 0.58, storm_lit = 1.43, storm_dark = 1.6; /* as turns, lit_depth and dark_share */
-/* What is turned to the sun sees the bright half of the sky, and what is turned away the ground and the shade: so much
- * more and less, by the fall of the margin over so much of the lumps' period. By eye: references are too noisy to tell. */
-const float storm_relief = 0.3, storm_near = 0.036;
+/* A storm's lumps: what is turned up sees the sky, and what is turned down the ground and the shade: so much more and less
+ * than a wall's mean; and by the sun what is turned to it. Asked over so many metres; the less, the slower the margin falls
+ * (in the lumps' period), and the deeper within, in e, for there light comes from all sides. */
+const float storm_up = 0.5, storm_up_mean = 0.3, storm_lumps = 0.25, storm_lumps_mean = 0.3;
+const float storm_up_m = 100.0, storm_even = 2.0, storm_within = 0.25;
 /* Cosine at which a level top is met by a high sun, at most. */
 const float storm_top = 0.6;
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
@@ -396,6 +409,19 @@ float sine_of(float slope) {
     return slope * inversesqrt(1.0 + slope * slope);
 }
 
+/* Cosines at which a face is turned to the sun and upwards, as the margin falls that way, e a metre; where it hardly falls
+ * (`even_1_m`) there is no face. */
+struct face_cosines {
+    float sun, up;
+};
+face_cosines face_of(float falls_sun_1_m, float falls_up_1_m, float mu_sun, float even_1_m) {
+    float level = max(1.0 - mu_sun * mu_sun, 0.02);
+    float aside = falls_sun_1_m - mu_sun * falls_up_1_m;
+    /* As much again across, on the mean. */
+    float steep = inversesqrt(falls_up_1_m * falls_up_1_m + 1.5 * aside * aside / level + even_1_m * even_1_m);
+    return face_cosines(falls_sun_1_m * steep, falls_up_1_m * steep);
+}
+
 /* Per unit of scattering. `sun`: the beam; `field`: luminance of the layer's clouds farther off, by the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, vec3 field, float mu_sun, sun_way way) {
     float depth = way.depth;
@@ -432,6 +458,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
     float even = deep_under(face);
     float deep = even;
+    face_cosines turned_to = face_cosines(0.0, 0.0);
+    float relief = 0.0;
     if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
@@ -443,6 +471,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float level = mix(clamp(mu_sun, storm_graze, storm_top), deck_faces(mu_sun), storm_faces * faces_free(mu_sun));
         float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
         deep = deep_under(met) * (storm_turned + storm_meets * meets) * (1.0 + storm_full * over);
+        relief = exp(-max(hit.margin, 0.0) / storm_within) * (1.0 - velum_anvil(hit.height_fraction));
+        turned_to = face_of(way.falls_near_1_m, falls_up_1_m(hit, storm_up_m), mu_sun,
+                            storm_even * eye.slots[hit.slot].lump_0.w);
+        deep *= 1.0 + storm_lumps * (turned_to.sun - storm_lumps_mean) * relief;
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -466,10 +498,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 beside = open + walls * (storm ? storm_walls : wall_share) * even * sun;
     down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
-    if (towers) {
-        float tilt = sine_of(way.falls_near_1_m * storm_near / eye.slots[hit.slot].lump_0.w);
-        all_round *= 1.0 + storm_relief * tilt * (1.0 - velum_anvil(hit.height_fraction));
-    }
+    all_round *= 1.0 + storm_up * (turned_to.up - storm_up_mean) * relief; /* of towers */
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
 }
 
