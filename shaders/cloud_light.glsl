@@ -204,6 +204,11 @@ struct sun_way {
     float falls_1_m, falls_near_1_m;
 };
 
+/* The margin of the sample with such a lump, whatever the fine detail. */
+float margin_here(cloud_hit hit, float lump) {
+    return velum_margin(hit.profile, hit.excess, hit.height_fraction, lump, 0.5);
+}
+
 /* The way from a place towards the sun: few steps, each longer than the one before; of the fields coverage is that of the
  * way, the others are those of the place. */
 sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
@@ -221,7 +226,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
     sun_way way = sun_way(0.0, f.coverage, 0.0, 0.0);
     float done = 0.0;
     float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
-    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, own_lump, 0.5);
+    float here = margin_here(hit, own_lump);
     for (int i = 0; i < steps; ++i) {
         float t = done + dt * (i == 0 ? start : 0.5);
         float h = hit.height_m + t * mu_sun;
@@ -256,8 +261,7 @@ float falls_up_1_m(cloud_hit hit, float up_m) {
     float h = hit.height_m + up_m;
     float z = clamp((h - f.base_m) / max(f.top_m - f.base_m, 1.0), 0.0, 1.0);
     float e = velum_excess(hit.profile, f.coverage, column_rank(hit.slot, f, p, hit.normal, h));
-    float here = velum_margin(hit.profile, hit.excess, hit.height_fraction, hit.lump, 0.5);
-    return (here - velum_margin(hit.profile, e, z, lump_noise(hit.slot, f, p), 0.5)) / up_m;
+    return (margin_here(hit, hit.lump) - velum_margin(hit.profile, e, z, lump_noise(hit.slot, f, p), 0.5)) / up_m;
 }
 
 /* What the eye gets of a uniform layer from a step, over what the step takes. */
@@ -371,7 +375,7 @@ ways_out ways_out_of(cloud_hit hit) {
     ways.reach = reach;
     ways.up = inner * thickness * max(depth_below(hit.profile, max(reach, 0.1)) - below, 0.0);
     ways.down = inner * thickness * below;
-    float margin = velum_margin(hit.profile, hit.excess, hit.height_fraction, flank_lumps * hit.lump, 0.5);
+    float margin = margin_here(hit, flank_lumps * hit.lump);
     ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
     return ways;
 }
@@ -458,8 +462,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
     float even = deep_under(face);
     float deep = even;
-    face_cosines turned_to = face_cosines(0.0, 0.0);
-    float relief = 0.0;
+    float opens_up = 1.0;
     if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
@@ -469,12 +472,14 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
         float meets = max(sine_of(straight), 0.0);
         float level = mix(clamp(mu_sun, storm_graze, storm_top), deck_faces(mu_sun), storm_faces * faces_free(mu_sun));
-        float met = mix(level, face, meets * (1.0 - velum_anvil(hit.height_fraction)));
+        float upright = 1.0 - velum_anvil(hit.height_fraction);
+        float met = mix(level, face, meets * upright);
         deep = deep_under(met) * (storm_turned + storm_meets * meets) * (1.0 + storm_full * over);
-        relief = exp(-max(hit.margin, 0.0) / storm_within) * (1.0 - velum_anvil(hit.height_fraction));
-        turned_to = face_of(way.falls_near_1_m, falls_up_1_m(hit, storm_up_m), mu_sun,
-                            storm_even * eye.slots[hit.slot].lump_0.w);
+        float relief = upright * exp(-max(hit.margin, 0.0) / storm_within);
+        face_cosines turned_to = face_of(way.falls_near_1_m, falls_up_1_m(hit, storm_up_m), mu_sun,
+                                         storm_even * eye.slots[hit.slot].lump_0.w);
         deep *= 1.0 + storm_lumps * (turned_to.sun - storm_lumps_mean) * relief;
+        opens_up += storm_up * (turned_to.up - storm_up_mean) * relief;
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -498,8 +503,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     vec3 beside = open + walls * (storm ? storm_walls : wall_share) * even * sun;
     down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
-    all_round *= 1.0 + storm_up * (turned_to.up - storm_up_mean) * relief; /* of towers */
-    return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : 1.0) * all_round;
+    return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : opens_up) * all_round;
 }
 
 /* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its

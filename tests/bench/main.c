@@ -146,7 +146,7 @@ int main(int argc, char **argv) {
             return usage(2);
         }
     }
-    struct files_folder folder;
+    struct files_folder folder = {.made = 0};
     if (b.out && !files_prepare_folder(b.out, &folder)) {
         return 2;
     }
@@ -155,6 +155,7 @@ int main(int argc, char **argv) {
     }
     find_plugin();
     if (!test_host_open(&b.host)) {
+        files_remove_empty(&folder);
         return 1;
     }
     bool ok = true;
@@ -170,5 +171,6 @@ int main(int argc, char **argv) {
         }
     }
     test_host_close(&b.host);
+    files_remove_empty(&folder);
     return ok ? 0 : 1;
 }
