@@ -90,6 +90,17 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
     return min(here, velum_threshold_between(hit.profile, min(hit.height_fraction, then), max(hit.height_fraction, then)));
 }
 
+#ifndef VELUM_STUDY
+/* Of what comes through so far, what this part of a ray's opacity takes where so many are left with it. Parts are alike, but
+ * of fibres each is larger than the one before: thin as they are, a low sun may light their faces alone, which one place in
+ * many would stand for, as sparks. */
+float part_share(uint before, uint left, bool grows) {
+    float nth = float(before + 1u);
+    float all = grows ? float(left) * (nth + 0.5 * float(left - 1u)) / nth : float(left);
+    return 1.0 / all;
+}
+#endif
+
 /* Of what is left to look at in a step. Of two uniform layers in one step the nearer comes first; they come last. */
 int next_part(uint meets, float rise) {
     int part = findLSB(meets);
@@ -160,6 +171,7 @@ void main() {
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
     float until = 2.0;            /* as little comes through where the newest place's part ends */
     float left_m = 0.0;           /* where the ray has last left cloud */
+    bool only_veils = (eye.table.z & ~(1u << VELUM_SLOT_HIGH)) == 0u;
     uint kept = 1u;               /* places for what may lie behind the first cloud, until there is such */
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
@@ -398,8 +410,10 @@ void main() {
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = pack_place(place);
         }
-        kept = opens && !deeper ? 0u : kept;
-        until = opens ? through - through / max(float(of.places) - float(kept + places), 1.0) : until;
+        bool veil = slot == VELUM_SLOT_HIGH;
+        kept = opens && (!deeper || (veil && (rise > 0.0 || only_veils))) ? 0u : kept;
+        uint parts = max(of.places - min(kept + places, of.places), 1u);
+        until = opens ? through - through * part_share(places, parts, veil) : until;
         places += opens ? 1u : 0u;
         left_m = alpha > 0.0 && !uniform_layer ? start_m + dt : left_m;
         place.z = (opens ? 0.0 : place.z) + alpha;

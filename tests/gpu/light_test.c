@@ -161,6 +161,20 @@ static void a_closed_sheet_lets_light_through_as_a_slab_does(void **state) {
     fixture_finish(&f);
 }
 
+/* What a picture of four rays a pixel is off by from that of many, over the mean light. */
+static double grain(fixture *f, const scene *s) {
+    float few[3 * PIXELS], many[3 * PIXELS], through[3 * PIXELS];
+    draw(f, s, 64, few, through);
+    draw(f, s, 512, many, through);
+    double squares = 0.0, mean = 0.0;
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        const double apart = (double)few[i] - (double)many[i];
+        squares += apart * apart / (3 * PIXELS);
+        mean += (double)many[i] / (3 * PIXELS);
+    }
+    return sqrt(squares) / mean;
+}
+
 /* Of near rims and what lies behind them each ray shows both, not now one and now the other: few rays tell the picture
  * that many come to. */
 static void rims_before_far_cloud_have_no_grain(void **state) {
@@ -180,19 +194,85 @@ static void rims_before_far_cloud_have_no_grain(void **state) {
                          .albedo = 0.1f,
                          .quality = VELUM_QUALITY_MEDIUM,
                          .atmosphere = VELUM_ATMOSPHERE_EARTH};
-        float few[3 * PIXELS], many[3 * PIXELS], through[3 * PIXELS];
-        draw(&f, &s, 64, few, through);
-        draw(&f, &s, 512, many, through);
-        double squares = 0.0, mean = 0.0;
-        for (int i = 0; i < 3 * PIXELS; i++) {
-            const double apart = (double)few[i] - (double)many[i];
-            squares += apart * apart / (3 * PIXELS);
-            mean += (double)many[i] / (3 * PIXELS);
-        }
-        const double grain = sqrt(squares) / mean;
-        print_message("up by %g degrees: four rays a pixel are off by %.4f of the mean light\n", s.pitch_deg, grain);
-        assert_true(grain < 0.02);
+        const double found = grain(&f, &s);
+        print_message("up by %g degrees: four rays a pixel are off by %.4f of the mean light\n", s.pitch_deg, found);
+        assert_true(found < 0.02);
     }
+    fixture_finish(&f);
+}
+
+/* Of a veil a low sun lights the skin alone, which is little of a ray's opacity: that little has a place of its own, or
+ * the few rays that draw it would stand in the picture as sparks. */
+static void veils_under_a_low_sun_have_no_sparks(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    const int32_t genera[] = {VELUM_GENUS_CS, VELUM_GENUS_CI};
+    for (int k = 0; k < 2; k++) {
+        velum_layer veil = fixture_cumulus();
+        veil.genus = genera[k];
+        veil.coverage = k == 0 ? 0.95f : 0.5f;
+        veil.base_m = 7500.0f;
+        veil.top_m = 9000.0f;
+        fixture_commit(&f, &veil, 1);
+        const scene s = {.height_m = 9900.0,
+                         .pitch_deg = -20.0,
+                         .sun_deg = 3.0,
+                         .albedo = 0.1f,
+                         .quality = VELUM_QUALITY_MEDIUM,
+                         .atmosphere = VELUM_ATMOSPHERE_EARTH};
+        const double found = grain(&f, &s);
+        print_message("%s: four rays a pixel are off by %.4f of the mean light\n", k == 0 ? "Cs" : "Ci", found);
+        assert_true(found < 0.036);
+    }
+    fixture_finish(&f);
+}
+
+/* Standard deviation of light about its mean over 5 x 5 pixels, over that mean, where none comes through. */
+static double relief(fixture *f, const scene *s, int *pixels) {
+    float light[3 * PIXELS], through[3 * PIXELS];
+    draw(f, s, 64, light, through);
+    double squares = 0.0;
+    *pixels = 0;
+    for (int y = 2; y < HEIGHT - 2; y++) {
+        for (int x = 2; x < WIDTH - 2; x++) {
+            double mean = 0.0;
+            bool opaque = true;
+            for (int i = 0; i < 25; i++) {
+                const int at = 3 * ((y - 2 + i / 5) * WIDTH + x - 2 + i % 5) + 1;
+                opaque = opaque && through[at] < 0.01f;
+                mean += (double)light[at] / 25.0;
+            }
+            const double apart = (double)light[3 * (y * WIDTH + x) + 1] / mean - 1.0;
+            squares += opaque ? apart * apart : 0.0;
+            *pixels += opaque;
+        }
+    }
+    return sqrt(squares / fmax(*pixels, 1.0));
+}
+
+/* A storm's wall in the shade is no paper: its lumps are brighter where they are turned up than where they are turned
+ * down. */
+static void walls_of_storms_show_their_lumps_in_the_shade(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    velum_layer storms = fixture_cumulus();
+    storms.genus = VELUM_GENUS_CB;
+    storms.coverage = 0.35f;
+    storms.base_m = 900.0f;
+    storms.top_m = 11500.0f;
+    fixture_commit(&f, &storms, 1);
+    const scene s = {.height_m = 2000.0,
+                     .sun_deg = 180.0 - 40.0, /* before the eye */
+                     .albedo = 0.1f,
+                     .quality = VELUM_QUALITY_MEDIUM,
+                     .atmosphere = VELUM_ATMOSPHERE_EARTH};
+    int pixels;
+    const double found = relief(&f, &s, &pixels);
+    print_message("%d pixels of wall, relief %.4f\n", pixels, found);
+    assert_true(pixels > PIXELS / 2);
+    assert_true(found > 0.02);
     fixture_finish(&f);
 }
 
@@ -303,6 +383,8 @@ int main(void) {
                                        cmocka_unit_test(white_ground_under_deep_cloud_gains_nothing),
                                        cmocka_unit_test(a_closed_sheet_lets_light_through_as_a_slab_does),
                                        cmocka_unit_test(rims_before_far_cloud_have_no_grain),
+                                       cmocka_unit_test(veils_under_a_low_sun_have_no_sparks),
+                                       cmocka_unit_test(walls_of_storms_show_their_lumps_in_the_shade),
                                        cmocka_unit_test(cloud_is_met_from_any_height),
                                        cmocka_unit_test(cloud_shades_the_air_under_a_low_sun),
                                        cmocka_unit_test(air_is_as_bright_as_its_reference)};
