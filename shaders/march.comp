@@ -91,9 +91,12 @@ float least_excess(cloud_hit hit, float here, float rank_m, float most_m) {
 }
 
 #ifndef VELUM_STUDY
-/* Of what comes through so far, what this part of a ray's opacity takes where so many are left with it. Parts are alike, but
- * of fibres each is larger than the one before: thin as they are, a low sun may light their faces alone, which one place in
- * many would stand for, as sparks. */
+/* A height below all others. */
+const float none_m = -1.0e9;
+
+/* Of what comes through so far, what this part of a ray's opacity takes where so many are before it and so many left with it.
+ * Parts are alike, but of veils each is larger than the one before: thin as they are, a low sun may light their faces alone,
+ * which one place in many would stand for, as sparks. */
 float part_share(uint before, uint left, bool grows) {
     float nth = float(before + 1u);
     float all = grows ? float(left) * (nth + 0.5 * float(left - 1u)) / nth : float(left);
@@ -171,8 +174,11 @@ void main() {
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
     float until = 2.0;            /* as little comes through where the newest place's part ends */
     float left_m = 0.0;           /* where the ray has last left cloud */
-    bool only_veils = (eye.table.z & ~(1u << VELUM_SLOT_HIGH)) == 0u;
-    uint kept = 1u;               /* places for what may lie behind the first cloud, until there is such */
+    uint kept = 1u;               /* places for what may lie behind the first cloud, until there is such, or cannot be */
+    float others_top_m = none_m;  /* of all that is no veil */
+    for (uint rest = eye.table.z & ~(1u << VELUM_SLOT_HIGH); rest != 0u; rest &= rest - 1u) {
+        others_top_m = max(others_top_m, eye.slots[findLSB(rest)].bounds.y);
+    }
 #endif
     /* Long steps look for cloud. What one finds is gone back to, and crossed in short ones: the face of a cumulus lies
      * within a few mean free paths. */
@@ -401,7 +407,8 @@ void main() {
         /* A ray's opacity falls to a few places, each drawn from its part of it by its share. */
         bool deeper = through < until;
         bool alone = place.z > alone_least;
-        bool even = uniform_layer || slot == VELUM_SLOT_HIGH;
+        bool veil = slot == VELUM_SLOT_HIGH;
+        bool even = uniform_layer || veil;
         bool apart = alone && !even && start_m > (1.0 + apart_share) * left_m + apart_least_m;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
@@ -410,8 +417,8 @@ void main() {
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = pack_place(place);
         }
-        bool veil = slot == VELUM_SLOT_HIGH;
-        kept = opens && (!deeper || (veil && (rise > 0.0 || only_veils))) ? 0u : kept;
+        bool is_last = veil && (others_top_m == none_m || (rise > 0.0 && h > others_top_m));
+        kept = opens && (!deeper || is_last) ? 0u : kept;
         uint parts = max(of.places - min(kept + places, of.places), 1u);
         until = opens ? through - through * part_share(places, parts, veil) : until;
         places += opens ? 1u : 0u;

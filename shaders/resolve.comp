@@ -36,6 +36,11 @@ const float alike_pixels = 0.15;
 const float travel_m = 2.0;
 /* Share of it below which an eye stands or turns. */
 const float stays = 2e-3;
+/* How much rays tell of history's bounds (see bound_by_rays): where it holds what has gone, and where it holds the same as
+ * they see, by its distance over theirs. */
+const float told_little = 0.5, told_much = 3.0, same_from = 0.85, same_to = 0.97;
+/* Of the light: rays that differ by no more see one even thing. */
+const float even_share = 0.02;
 /* Samples that history counts for where it moves so many pixels a frame, but for the strides of standing views: each time
  * that it is handed on blurs it. */
 const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
@@ -304,6 +309,27 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     return found_ray(unpack_halves(lit[head]), uintBitsToFloat(lit[head + 1u].x), finer_pixel(block, which));
 }
 
+/* The bounds of what rays around a place between blocks have seen, about what there is between the four next to it
+ * (`light`): each ray tells the less the farther off it is, for bounds by the four alone change in steps, from block to
+ * block. `held_m`: see history_place; `near_m`: what the nearest of the four has met. Where history holds what is nearer than
+ * that, it has gone, and rays tell little beyond that mean. */
+void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ray, float end_m, float held_m, float near_m,
+                   out vec4 low, out vec4 high) {
+    float told = mix(told_little, told_much, smoothstep(same_from, same_to, held_m / near_m));
+    ivec2 nearest = ivec2(floor(at + 0.5));
+    low = high = light;
+    for (int k = 0; k < 9; ++k) {
+        ivec2 to = nearest + ivec2(k % 3 - 1, k / 3 - 1);
+        found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter);
+        bool fit = !has_depth || hides(there.light, there.distance_m, end_m) ||
+                   alike(end_of(host_distance(there.pixel, ray)), end_m);
+        vec2 tells = clamp(told * (1.0 - abs(at - vec2(to)) / 1.5), 0.0, 1.0);
+        vec4 beside = mix(light, there.light, fit ? tells.x * tells.y : 0.0);
+        low = min(low, beside);
+        high = max(high, beside);
+    }
+}
+
 /* What history has is lost, or was never there. */
 const vec4 lost = vec4(1.0e4);
 
@@ -484,6 +510,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     }
     old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
 
+    if (moves && !calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
+        bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
+    }
     if (moves) {
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
          * where the eye goes through air that may hold cloud; not where it has but turned, for all turns alike. */
