@@ -309,6 +309,12 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     return found_ray(unpack_halves(lit[head]), uintBitsToFloat(lit[head + 1u].x), finer_pixel(block, which));
 }
 
+/* Whether what a ray has found is as good for a pixel whose own way (`ray`) ends so far away. */
+bool found_fits(found_ray found, view_ray ray, float end_m) {
+    return !has_depth || hides(found.light, found.distance_m, end_m) ||
+           alike(end_of(host_distance(found.pixel, ray)), end_m);
+}
+
 /* The bounds of what rays around a place between blocks have seen, about what there is between the four next to it
  * (`light`): each ray tells the less the farther off it is, for bounds by the four alone change in steps, from block to
  * block. `held_m`: see history_place; `near_m`: what the nearest of the four has met. Where history holds what is nearer than
@@ -321,10 +327,8 @@ void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ra
     for (int k = 0; k < 9; ++k) {
         ivec2 to = nearest + ivec2(k % 3 - 1, k / 3 - 1);
         found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter);
-        bool fit = !has_depth || hides(there.light, there.distance_m, end_m) ||
-                   alike(end_of(host_distance(there.pixel, ray)), end_m);
         vec2 tells = clamp(told * (1.0 - abs(at - vec2(to)) / 1.5), 0.0, 1.0);
-        vec4 beside = mix(light, there.light, fit ? tells.x * tells.y : 0.0);
+        vec4 beside = mix(light, there.light, found_fits(there, ray, end_m) ? tells.x * tells.y : 0.0);
         low = min(low, beside);
         high = max(high, beside);
     }
@@ -423,9 +427,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         float distance_m = there.distance_m;
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
         float weight = share.x * share.y;
-        bool fit = true;
+        bool fit = found_fits(there, ray, end_m);
         if (has_depth) {
-            fit = hides(light, distance_m, end_m) || alike(end_of(host_distance(there.pixel, ray)), end_m);
             weight = own ? weight : max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
         }
         mixed += weight * light;
@@ -510,10 +513,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     }
     old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
 
-    if (moves && !calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
-        bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
-    }
     if (moves) {
+        if (!calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
+            bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
+        }
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
          * where the eye goes through air that may hold cloud; not where it has but turned, for all turns alike. */
         float lost_from = believed();

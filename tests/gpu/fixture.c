@@ -117,6 +117,15 @@ velum_layer fixture_cumulus(void) {
                          .wind_east_m_s = 12.0f};
 }
 
+velum_layer fixture_layer(int32_t genus, float coverage, float base_m, float top_m) {
+    velum_layer layer = fixture_cumulus();
+    layer.genus = genus;
+    layer.coverage = coverage;
+    layer.base_m = base_m;
+    layer.top_m = top_m;
+    return layer;
+}
+
 void fixture_position(double lat_deg, double lon_deg, double height_m, double ecef_m[3]) {
     const core_geodetic place = {lat_deg, lon_deg, height_m};
     assert_true(core_ecef_from_geodetic(&place, ecef_m));

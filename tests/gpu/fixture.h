@@ -44,6 +44,8 @@ void fixture_commit_cell(fixture *f, const velum_cell *cell);
 /* One uniform layer of that optical depth between 1000 and 2000 m. */
 velum_layer fixture_slab(float tau);
 velum_layer fixture_cumulus(void);
+/* Of another genus, with the same water and wind. */
+velum_layer fixture_layer(int32_t genus, float coverage, float base_m, float top_m);
 
 /* Place, local axes. */
 void fixture_position(double lat_deg, double lon_deg, double height_m, double ecef_m[3]);

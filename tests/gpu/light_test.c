@@ -135,11 +135,7 @@ static void a_closed_sheet_lets_light_through_as_a_slab_does(void **state) {
     velum_layer slab = fixture_slab(depth);
     slab.flags |= VELUM_LAYER_PHASE_HG;
     slab.hg_asymmetry = 0.879f; /* mean cosine of droplets: velum_phase_lobes_cloud */
-    velum_layer sheet = fixture_cumulus();
-    sheet.genus = VELUM_GENUS_NS;
-    sheet.coverage = 1.0f;
-    sheet.base_m = 1000.0f;
-    sheet.top_m = 4000.0f;
+    velum_layer sheet = fixture_layer(VELUM_GENUS_NS, 1.0f, 1000.0f, 4000.0f);
     sheet.flags |= VELUM_LAYER_EXTINCTION;
     sheet.extinction_1_m = depth / 3000.0f;
     const double suns_deg[] = {58.0, 15.0};
@@ -181,11 +177,7 @@ static void rims_before_far_cloud_have_no_grain(void **state) {
     (void)state;
     fixture f;
     fixture_init(&f, false);
-    velum_layer rolls = fixture_cumulus();
-    rolls.genus = VELUM_GENUS_SC;
-    rolls.coverage = 0.75f;
-    rolls.base_m = 900.0f;
-    rolls.top_m = 1500.0f;
+    const velum_layer rolls = fixture_layer(VELUM_GENUS_SC, 0.75f, 900.0f, 1500.0f);
     fixture_commit(&f, &rolls, 1);
     for (int k = 0; k < 2; k++) {
         const scene s = {.height_m = 600.0,
@@ -210,11 +202,7 @@ static void veils_under_a_low_sun_have_no_sparks(void **state) {
     const int32_t genera[] = {VELUM_GENUS_CS, VELUM_GENUS_CI};
     const double bounds[] = {0.032, 0.043};
     for (int k = 0; k < 2; k++) {
-        velum_layer veil = fixture_cumulus();
-        veil.genus = genera[k];
-        veil.coverage = k == 0 ? 0.95f : 0.5f;
-        veil.base_m = 7500.0f;
-        veil.top_m = 9000.0f;
+        const velum_layer veil = fixture_layer(genera[k], k == 0 ? 0.95f : 0.5f, 7500.0f, 9000.0f);
         fixture_commit(&f, &veil, 1);
         const scene s = {.height_m = 9900.0,
                          .pitch_deg = -20.0,
@@ -258,11 +246,7 @@ static void walls_of_storms_show_their_lumps_in_the_shade(void **state) {
     (void)state;
     fixture f;
     fixture_init(&f, false);
-    velum_layer storms = fixture_cumulus();
-    storms.genus = VELUM_GENUS_CB;
-    storms.coverage = 0.35f;
-    storms.base_m = 900.0f;
-    storms.top_m = 11500.0f;
+    const velum_layer storms = fixture_layer(VELUM_GENUS_CB, 0.35f, 900.0f, 11500.0f);
     fixture_commit(&f, &storms, 1);
     const scene s = {.height_m = 2000.0,
                      .sun_deg = 180.0 - 40.0, /* before the eye */

@@ -275,15 +275,6 @@ static void another_sun_is_drawn_at_once(void **state) {
     fixture_finish(&d.f);
 }
 
-static velum_layer layer_between(int32_t genus, float base_m, float top_m, float coverage) {
-    velum_layer layer = fixture_cumulus();
-    layer.genus = genus;
-    layer.coverage = coverage;
-    layer.base_m = base_m;
-    layer.top_m = top_m;
-    return layer;
-}
-
 /* Root of the mean square of what a new map says of places on the ground, less what the world says of their lines to
  * the sun. */
 static double map_error(fixture *f) {
@@ -341,9 +332,9 @@ static double map_error(fixture *f) {
  * to what one of weather that is the same everywhere is held to. */
 static void layers_at_uneven_heights_shade_as_even_ones(void **state) {
     (void)state;
-    const velum_layer layers[] = {layer_between(VELUM_GENUS_CU, 900.0f, 1500.0f, 0.4f),
-                                  layer_between(VELUM_GENUS_CU, 5200.0f, 5600.0f, 0.5f),
-                                  layer_between(VELUM_GENUS_CB, 600.0f, 12000.0f, 0.5f)};
+    const velum_layer layers[] = {fixture_layer(VELUM_GENUS_CU, 0.4f, 900.0f, 1500.0f),
+                                  fixture_layer(VELUM_GENUS_CU, 0.5f, 5200.0f, 5600.0f),
+                                  fixture_layer(VELUM_GENUS_CB, 0.5f, 600.0f, 12000.0f)};
     double error[2];
     for (uint32_t uneven = 0; uneven < 2; uneven++) {
         velum_cell cells[3] = {fixture_cell(&layers[0], 1), fixture_cell(&layers[1], 1), fixture_cell(&layers[2], 1)};
