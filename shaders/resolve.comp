@@ -41,9 +41,11 @@ const float stays = 2e-3;
 const float told_little = 0.5, told_much = 3.0, same_from = 0.85, same_to = 0.97;
 /* Of the light: rays that differ by no more see one even thing. */
 const float even_share = 0.02;
-/* Samples that history counts for where it moves so many pixels a frame, but for the strides of standing views: each time
- * that it is handed on blurs it. */
-const float handed_on = 1.0, handed_on_from = 0.02, handed_on_to = 0.1;
+/* Where history moves so many pixels a frame, but for the strides of standing views, it counts for less, and then for
+ * nothing, when a pixel's ray comes: each time that it is handed on blurs it. */
+const float renewed_from = 0.01, renewed_to = 0.05;
+/* Samples of a place that a ray has told of; one in four that a filter has mixed is none. */
+const float has_ray = 0.3;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float borrowed = 0.75;
 /* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
@@ -472,7 +474,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         place = history_of(ray, min(own ? fresh_m : near_m, end_m), min(own ? fresh_m : far_m, end_m), one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
         calm = !has_depth && one && travels() < stays && moved_pixels(place, pixel) < believed() &&
-               (own || place.samples >= 0.5);
+               (own || place.samples >= has_ray);
     }
     cloud_pixel old;
     if (!moves) {
@@ -496,18 +498,19 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
     float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, borrowed) : old.samples, view.scale.w);
+    float kept = count; /* beside a new ray */
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
     float rays_beside = 0.0;
     ivec2 old_pixel = ivec2(place.pixel);
-    for (int k = !own && old.samples < 0.5 ? 0 : 9; k < 9; ++k) {
+    for (int k = !own && old.samples < has_ray ? 0 : 9; k < 9; ++k) {
         ivec2 there = clamp(old_pixel + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(size) - 1);
         vec2 data = texelFetch(history_data_in, there, 0).rg;
         vec4 light = texelFetch(history_in, there, 0);
         bool fit = !has_depth || (data.y < 0.0) == (hit_m >= 0.0) ||
                    (data.y >= 0.0 && hides(light, distance_in(data.x, 1.0 - light.a) * distance_unit_m, end_m));
-        float seen = abs(data.y) >= 0.5 && fit ? 1.0 : 0.0;
+        float seen = abs(data.y) >= has_ray && fit ? 1.0 : 0.0;
         beside += seen * light;
         rays_beside += seen;
     }
@@ -521,7 +524,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
          * where the eye goes through air that may hold cloud; not where it has but turned, for all turns alike. */
         float lost_from = believed();
         float apart = length(place.pixel - turned_of(ray));
-        float trust = count < 0.5 ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, apart);
+        float trust = count < has_ray ? 0.0 : 1.0 - smoothstep(lost_from, lost_from + doubted - trusted, apart);
         vec4 bright = vec4(max(high, old.light).rgb, 1.0);
         vec4 slack = (high - low) * 0.25 + bright * 0.02;
         vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels();
@@ -531,15 +534,16 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         float added = own || calm ? 0.0 : max(old.light.a - held.a, 0.0);
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = calm ? old.light : held;
-        count = count < 0.5 ? 0.0 : max(count, 1.0);
-        float most = calm_turns() != 0u ? 0.0 : smoothstep(handed_on_from, handed_on_to, moved_pixels(place, pixel));
-        count = min(count, mix(view.scale.w, handed_on, most));
+        count = count < has_ray ? 0.0 : max(count, 1.0);
+        float renewed = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
+        kept = min(count, 1.0 / max(renewed, 1e-3) - 1.0);
+        count = min(count, max(kept, 1.0));
     }
 
     cloud_pixel result;
     if (own) {
-        result = with_ray(old, count, fresh);
-    } else if (count < 0.5) {
+        result = with_ray(old, kept, fresh);
+    } else if (count < has_ray) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
         result.light = mix(old.light, fresh.light, moves ? 0.25 : 1.0 / (1.0 + rays_beside));
