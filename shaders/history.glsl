@@ -36,14 +36,15 @@ cloud_pixel standing_at(ivec2 pixel, out bool ended) {
     return old;
 }
 
-/* With a ray of its own more. */
-cloud_pixel with_ray(cloud_pixel old, float count, cloud_pixel fresh) {
+/* With a ray of its own more, which gets at least such a share. */
+cloud_pixel with_ray(cloud_pixel old, float count, cloud_pixel fresh, float least) {
     float n = count < 1.0 ? 1.0 : count + 1.0;
-    float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (n - 1.0) : 0.0;
-    float all = opacity + 1.0 - fresh.light.a;
+    float share = max(1.0 / n, least);
+    float opacity = old.distance_m > 0.0 ? (1.0 - old.light.a) * (1.0 - share) : 0.0;
+    float added = (1.0 - fresh.light.a) * share;
     cloud_pixel result;
-    result.light = mix(old.light, fresh.light, 1.0 / n);
-    result.distance_m = distance_in(opacity * old.distance_m + (1.0 - fresh.light.a) * fresh.distance_m, all);
+    result.light = mix(old.light, fresh.light, share);
+    result.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
     result.samples = min(n, 1024.0);
     result.change = fresh.light - old.light;
     return result;

@@ -41,8 +41,8 @@ const float stays = 2e-3;
 const float told_little = 0.5, told_much = 3.0, same_from = 0.85, same_to = 0.97;
 /* Of the light: rays that differ by no more see one even thing. */
 const float even_share = 0.02;
-/* Where history moves so many pixels a frame, but for the strides of standing views, it counts for less, and then for
- * nothing, when a pixel's ray comes: each time that it is handed on blurs it. */
+/* Where history moves so many pixels a frame, but for the strides of standing views, it counts for less when a pixel's ray
+ * comes, and then for next to nothing: each time that it is handed on blurs it, the more often the fewer rays there are. */
 const float renewed_from = 0.01, renewed_to = 0.05;
 /* Samples of a place that a ray has told of; one in four that a filter has mixed is none. */
 const float has_ray = 0.3;
@@ -498,7 +498,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     }
     /* 0: no ray of its own yet. Below 1: none since the picture came to rest; what there is counts for nothing then. */
     float count = min(view_flag(VELUM_VIEW_BLOCK_SETTLE) ? min(old.samples, borrowed) : old.samples, view.scale.w);
-    float kept = count; /* beside a new ray */
+    float renewed = 0.0;
 
     /* No ray of its own yet: between those of pixels beside it that have had one. */
     vec4 beside = vec4(0.0);
@@ -535,14 +535,14 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = calm ? old.light : held;
         count = count < has_ray ? 0.0 : max(count, 1.0);
-        float renewed = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
-        kept = min(count, 1.0 / max(renewed, 1e-3) - 1.0);
-        count = min(count, max(kept, 1.0));
+        renewed = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
+        count = min(count, mix(view.scale.w, 1.0, renewed));
+        renewed *= 1.0 - 0.5 / float(ray_block_size().x * ray_block_size().y);
     }
 
     cloud_pixel result;
     if (own) {
-        result = with_ray(old, kept, fresh);
+        result = with_ray(old, count, fresh, renewed);
     } else if (count < has_ray) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
