@@ -66,7 +66,8 @@ uint ray_places(bool finer) {
     return finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
 }
 
-/* Of a block's own ray, its first place: near.comp leaves the same there, once its places have been gathered. */
+/* Of a block's own ray, its first place: near.comp leaves the same there, once its places have been gathered, and in the
+ * third how much more of light and transmittance it has found than history holds. */
 uint own_head(uint ray, bool finer) {
     return ray * ray_places(finer);
 }

@@ -2,14 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 /* Where views move: rays of blocks as resolve.comp takes them. Those to cloud so near that it has no detail between them
  * are taken together with those beside them, for they differ by where they step, and such cloud passes before its pixels
- * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. */
+ * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. And how far history
+ * lags behind each. */
 #include "due.glsl"
-#include "near.glsl"
+#include "moved.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
-
-layout(constant_id = 6) const bool has_depth = true;
 
 /* Distances of one surface of the host's, so many rays apart. */
 const float one_ratio = 1.3;
@@ -18,6 +17,18 @@ const int reach = 2;
 const float whole = 64.0;
 float share_of(ivec2 beside) {
     return (abs(beside.x) < reach ? 2.0 : 1.0) * (abs(beside.y) < reach ? 2.0 : 1.0) / whole;
+}
+
+/* What a ray sees more than history holds there; nothing where that holds another thing, or nothing. */
+vec4 lag_of(view_ray ray, vec4 light, float distance_m, float end_m) {
+    float there_m = distance_m > 0.0 ? distance_m : nothing_m();
+    there_m = has_depth ? min(there_m, end_m) : there_m;
+    bool one;
+    history_place place = history_of(ray, there_m, there_m, one);
+    light_beside beside;
+    vec4 lag = light - history_light(place.pixel, vec2(view.size.xy), beside);
+    bool tells = place.known && place.samples >= has_ray && !place.ended.x && alike(place.held_m, there_m);
+    return tells ? sees_alike(abs(lag.a)) * clamp(lag, -most_half, most_half) : vec4(0.0);
 }
 
 void main() {
@@ -54,4 +65,7 @@ void main() {
     uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
     lit[head] = pack_halves(light);
     lit[head + 1u].x = floatBitsToUint(light.a < 1.0 ? product / (1.0 - light.a) : 0.0);
+    if (history_lags()) {
+        lit[head + 2u] = pack_halves(lag_of(ray, own, own_m, end_m));
+    }
 }

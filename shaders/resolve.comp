@@ -3,9 +3,8 @@
 /* Every pixel: this frame's rays where there is one, moved history elsewhere; then sky, air and ground around it. */
 #include "air_light.glsl"
 #include "shared/hash.h"
-#include "history.glsl"
 #include "lit.glsl"
-#include "near.glsl"
+#include "moved.glsl"
 /* Positions from the eye: the block is shifted to it. */
 #define VELUM_SHADOW_SET 0
 #define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
@@ -26,26 +25,16 @@ layout(set = 1, binding = VELUM_BIND_OUT_LUMINANCE) uniform writeonly OUT_IMAGE 
 layout(set = 1, binding = VELUM_BIND_OUT_TRANSMITTANCE) uniform writeonly OUT_IMAGE transmittance_out;
 layout(set = 1, binding = VELUM_BIND_OUT_DISTANCE) uniform writeonly OUT_IMAGE distance_out;
 
-/* Below it a pixel is as good as clear. */
-const float least_opacity = 0.005;
 /* Pixels that history has moved since the frame before: all is believed of it, nothing beyond what this frame saw. */
-const float trusted = 0.15, doubted = 1.0;
-/* Between places of history that are taken for one. */
-const float alike_pixels = 0.15;
-/* Of the eye in a frame: on such a way cloud around it shows. */
-const float travel_m = 2.0;
-/* Share of it below which an eye stands or turns. */
-const float stays = 2e-3;
+const float trusted = 0.15;
 /* How much rays tell of history's bounds (see bound_by_rays): where it holds what has gone, and where it holds the same as
  * they see, by its distance over theirs. */
 const float told_little = 0.5, told_much = 3.0, same_from = 0.85, same_to = 0.97;
 /* Of the light: rays that differ by no more see one even thing. */
 const float even_share = 0.02;
 /* Where history moves so many pixels a frame, but for the strides of standing views, it counts for less when a pixel's ray
- * comes, and then for next to nothing: each time that it is handed on blurs it, the more often the fewer rays there are. */
+ * comes: each time that it is handed on blurs it, the more often the fewer rays there are. */
 const float renewed_from = 0.01, renewed_to = 0.05;
-/* Samples of a place that a ray has told of; one in four that a filter has mixed is none. */
-const float has_ray = 0.3;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float borrowed = 0.75;
 /* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
@@ -60,96 +49,12 @@ const float filtered = 0.03;
  * none; nor on where history has moved to where all stands; nor on rays where history is kept in place: gather.comp has put
  * them there. */
 layout(constant_id = 5) const bool draws_ground = true;
-layout(constant_id = 6) const bool has_depth = true;
 layout(constant_id = 7) const bool moves = true;
 layout(constant_id = 8) const bool keeps = false;
-
-/* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times
- * distance / distance_unit_m, and samples: filters may mix them, as they do light. Where the host's depth ended the ray,
- * samples are kept negative. */
-struct history_place {
-    vec2 pixel; /* of that frame, from its upper left corner */
-    float samples;
-    bvec2 ended; /* any of the pixels there by the host's depth; all */
-    float distance_m; /* how far along the ray what is held there would be; 0: nothing is */
-    float held_m; /* the same; nothing_m(): as good as nothing is */
-    bool known; /* within that picture */
-};
-
-/* Where something that a ray meets stood in the frame before. */
-struct past_place {
-    vec2 pixel; /* see history_place */
-    float away_m;
-    bool known;
-};
-
-/* See history_place. */
-float held_of(float distance_m, float opacity) {
-    return opacity > least_opacity && distance_m > 0.0 ? min(distance_m, nothing_m()) : nothing_m();
-}
-
-past_place past_place_of(vec3 q) {
-    past_place p;
-    vec2 plane = vec2(dot(q, view.before_right.xyz), dot(q, view.before_up.xyz));
-    float depth_m = dot(q, view.before_forward.xyz);
-    p.away_m = view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? depth_m : length(q);
-    plane /= view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) ? 1.0 : depth_m;
-    vec2 corner = vec2(view.before_right.w, view.before_offset.w);
-    vec2 size = vec2(view.size.xy);
-    p.pixel = size * (plane - corner) / (vec2(view.before_up.w, view.before_forward.w) - corner) - view.before_jitter.xy;
-    p.known = depth_m > 0.0 && all(greaterThanEqual(p.pixel, vec2(0.0))) && all(lessThan(p.pixel, size));
-    p.pixel = p.known ? clamp(p.pixel, vec2(0.5), size - 0.5) : vec2(0.5);
-    return p;
-}
-
-past_place past_of(view_ray ray, float distance_m) {
-    float rise = dot(ray.direction, eye.up.xyz);
-    float height_m = eye.up.w + dot(ray.origin, eye.up.xyz) +
-                     distance_m * (rise + 0.5 * distance_m * (1.0 - rise * rise) / VELUM_WGS84_A_M);
-    vec3 drift_m = view.drifts[int(velum_shade_level_of(height_m) + 0.5)].xyz;
-    return past_place_of(ray.origin + ray.direction * distance_m - drift_m - view.before_offset.xyz);
-}
 
 /* Where it would have stood, had the eye turned and nothing moved. */
 vec2 turned_of(view_ray ray) {
     return past_place_of(ray.origin - view.offset.xyz + ray.direction * nothing_m()).pixel;
-}
-
-history_place history_at(past_place past, float distance_m) {
-    history_place p;
-    p.pixel = past.pixel;
-    p.known = past.known;
-    vec2 at = p.pixel / view.room.zw;
-    vec2 data = textureLod(history_data_in, at, 0.0).rg;
-    float opacity = 1.0 - textureLod(history_in, at, 0.0).a;
-    p.samples = abs(data.y);
-    p.ended = bvec2(false);
-    if (has_depth) {
-        /* Asked where the four meet: devices round places, and nearer to a pixel's middle may take its other neighbours. */
-        vec2 corner = floor(p.pixel - 0.5) + 1.0;
-        vec4 around = textureGather(history_data_in, corner / view.room.zw, 1);
-        vec2 f = p.pixel + 0.5 - corner;
-        vec4 weight = vec4(1.0 - f.x, f.x, f.x, 1.0 - f.x) * vec4(f.y, f.y, 1.0 - f.y, 1.0 - f.y);
-        bvec4 ends = lessThan(around, vec4(0.0));
-        bvec4 counts = greaterThan(weight, vec4(0.01));
-        p.ended = bvec2(any(bvec4(uvec4(ends) & uvec4(counts))), all(bvec4(uvec4(ends) | uvec4(not(counts)))));
-        p.samples = dot(abs(around), weight);
-        if (p.ended.x && !p.ended.y) {
-            /* A filter would mix what stands on either side of the edge. */
-            ivec2 nearest = ivec2(p.pixel);
-            data = texelFetch(history_data_in, nearest, 0).rg;
-            opacity = 1.0 - texelFetch(history_in, nearest, 0).a;
-        }
-    }
-    /* From where the eye is now. */
-    p.distance_m = distance_in(data.x, opacity) * distance_unit_m * distance_m / max(past.away_m, 1.0);
-    p.held_m = held_of(p.distance_m, opacity);
-    return p;
-}
-
-/* How much the eye goes through air that may hold cloud, 0..1. */
-float travels() {
-    return clamp(length(view.offset.xyz - view.before_offset.xyz) / travel_m, 1e-3, 1.0);
 }
 
 /* From where history stood to where it stands. */
@@ -161,70 +66,6 @@ float moved_pixels(history_place place, ivec2 pixel) {
 float believed() {
     return calm_turns() != 0u ? doubted : trusted;
 }
-
-/* Of a pixel around which there is something from so near to so far away: what stood where the nearest would have, or
- * the farthest, and is there by its own distance too; of two the nearer hides the other. What is nearer than all that
- * was seen has gone, unless it would have stayed. `one`: all of it has moved alike. */
-history_place history_of(view_ray ray, float near_m, float far_m, out bool one) {
-    past_place past_far = past_of(ray, far_m);
-    past_place past = past_of(ray, near_m);
-    float distance_m = near_m;
-    one = past.known && past_far.known && length(past.pixel - past_far.pixel) < alike_pixels;
-    history_place place;
-    history_place other; /* that of the turn before */
-    other.held_m = nothing_m();
-    for (int turn = 0; turn < 4; ++turn) {
-        place = history_at(past, distance_m);
-        past_place held = past_of(ray, place.held_m);
-        bool is_there = place.known && alike(place.held_m, other.held_m);
-        bool is_done = turn == 3;
-        if (turn == 0) {
-            one = one && held.known && length(past.pixel - held.pixel) < alike_pixels;
-            place.pixel = one ? held.pixel : place.pixel;
-            is_done = one;
-        } else if (turn == 1) {
-            is_done = is_there && alike_ratio * other.held_m > near_m;
-        } else if (turn == 3) {
-            bool is_same = length(place.pixel - other.pixel) < doubted;
-            bool is_seen = alike_ratio * other.held_m > near_m;
-            bool is_known = other.known && (is_same || (is_seen && is_there));
-            if (!is_there) {
-                place = other;
-            }
-            place.known = is_known;
-        }
-        if (is_done) {
-            break;
-        }
-        other = place;
-        past = held;
-        distance_m = place.held_m;
-        if (turn == 1) {
-            past = past_far;
-            distance_m = far_m;
-        }
-    }
-    return place;
-}
-
-/* The central difference, no steeper than twice either side's: what a cell may lean by without a new extreme (monotonized
- * central limiter, van Leer 1977). */
-vec4 lean_of(vec4 before, vec4 after) {
-    vec4 least = min(0.5 * abs(before + after), 2.0 * min(abs(before), abs(after)));
-    return mix(vec4(0.0), sign(after) * least, greaterThan(before * after, vec4(0.0)));
-}
-
-/* What comes in along one axis less what leaves, where `from` stands in the flow before `here`, and `beyond` before that;
- * `after` behind it; by so much of a pixel. */
-vec4 flow(vec4 beyond, vec4 from, vec4 here, vec4 after, float share) {
-    float half_left = 0.5 * (1.0 - share);
-    return share * (from - here + half_left * (lean_of(from - beyond, here - from) - lean_of(here - from, after - here)));
-}
-
-/* Light that stood beside a pixel: to both sides, over and under it. */
-struct light_beside {
-    vec4 left, right, over, under;
-};
 
 vec4 excess_over(vec4 light, vec4 a, vec4 b) {
     return light - clamp(light, min(a, b), max(a, b));
@@ -264,30 +105,6 @@ vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bo
                                      light_at_side(cell - y, beside.over, light, low, high, ended),
                                      light_at_side(cell + y, beside.under, light, low, high, ended));
     return light - toothed() * excess_of(light, seen);
-}
-
-/* History between its pixels, as a flow from cell to cell with limited slopes: edges stay as sharp as they are however
- * often they are handed on, and move as far as they should. A filter blurs them; Catmull and Rom's spline, held back from
- * new extremes, moves a step half as far. */
-vec4 history_light(vec2 place, vec2 size, out light_beside beside) {
-    ivec2 last = ivec2(size) - 1;
-    ivec2 cell = ivec2(place);
-    vec2 from = place - (vec2(cell) + 0.5);
-    ivec2 x = ivec2(from.x < 0.0 ? -1 : 1, 0);
-    ivec2 y = ivec2(0, from.y < 0.0 ? -1 : 1);
-    vec4 here = texelFetch(history_in, cell, 0);
-    vec4 left = texelFetch(history_in, clamp(cell + x, ivec2(0), last), 0);
-    vec4 left_2 = texelFetch(history_in, clamp(cell + 2 * x, ivec2(0), last), 0);
-    vec4 right = texelFetch(history_in, clamp(cell - x, ivec2(0), last), 0);
-    vec4 over = texelFetch(history_in, clamp(cell + y, ivec2(0), last), 0);
-    vec4 over_2 = texelFetch(history_in, clamp(cell + 2 * y, ivec2(0), last), 0);
-    vec4 under = texelFetch(history_in, clamp(cell - y, ivec2(0), last), 0);
-    vec4 corner = texelFetch(history_in, clamp(cell + x + y, ivec2(0), last), 0);
-    beside = light_beside(x.x < 0 ? left : right, x.x < 0 ? right : left, y.y < 0 ? over : under, y.y < 0 ? under : over);
-    vec2 share = abs(from);
-    vec4 sum = here + flow(left_2, left, here, right, share.x) + flow(over_2, over, here, under, share.y) +
-               share.x * share.y * (corner - left - over + here);
-    return clamp(sum, min(min(here, corner), min(left, over)), max(max(here, corner), max(left, over)));
 }
 
 /* What a ray of this frame has found. */
@@ -334,6 +151,26 @@ void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ra
         low = min(low, beside);
         high = max(high, beside);
     }
+}
+
+/* Share of what rays tell of the lag of history that is made up for in a frame. */
+const float caught_share = 0.25;
+
+/* History nearer to what the rays of blocks around a pixel have found: each is asked of the place where it has found it, so
+ * that detail between them stays. Where they see another thing than history holds here they tell nothing of it. */
+vec4 caught_up(ivec2 pixel, vec4 light) {
+    ivec2 side = ray_block_size();
+    ivec2 last = ivec2(view.march_size.xy) - 1;
+    vec2 at = clamp((vec2(pixel) - vec2(ray_turn(pixel.y / side.y))) / vec2(side), vec2(0.0), vec2(last));
+    vec4 lag = vec4(0.0);
+    for (int k = 0; k < 4; ++k) {
+        ivec2 aside = ivec2(k & 1, k >> 1);
+        vec2 share = mix(1.0 - fract(at), fract(at), vec2(aside));
+        uint head = own_head(ray_of(min(ivec2(at) + aside, last)), view_flag(VELUM_VIEW_BLOCK_FINER));
+        float through = unpack_halves(lit[head]).a;
+        lag += share.x * share.y * sees_alike(abs(through - light.a)) * unpack_halves(lit[head + 2u]);
+    }
+    return max(light + caught_share * travels() * lag, vec4(0.0));
 }
 
 /* What history has is lost, or was never there. */
@@ -517,6 +354,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
 
     if (moves) {
+        if (history_lags() && !calm && count >= has_ray) {
+            old.light = caught_up(pixel, old.light);
+        }
         if (!calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
             bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
         }
@@ -537,7 +377,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         count = count < has_ray ? 0.0 : max(count, 1.0);
         renewed = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
         count = min(count, mix(view.scale.w, 1.0, renewed));
-        renewed *= 1.0 - 0.5 / float(ray_block_size().x * ray_block_size().y);
+        renewed *= 1.0 - 0.5 * inversesqrt(float(ray_block_size().x));
     }
 
     cloud_pixel result;

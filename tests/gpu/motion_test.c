@@ -598,8 +598,9 @@ static void near_cloud_passes_without_grain(void **state) {
 }
 
 /* Clouds that pass at 120 m/s, in a view as fine as a window's: their edges are no softer than what history tells of
- * them. By steps of 110 m 0.099 of the mean light is off without near.comp, 0.110 where it takes rays together across
- * edges; by shorter ones those lie nearer to each other. */
+ * them. By steps of 110 m 0.093 of the mean light is off, 0.097 where history is not told how far it lags, 0.099 where it
+ * is as good as a pixel's new ray too; near.comp, did it take rays together across edges, would add 0.011. By shorter
+ * steps these lie nearer to each other. */
 static void edges_that_pass_stay_sharp(void **state) {
     (void)state;
     static float moving[FINE_PIXELS * 3];
@@ -628,7 +629,7 @@ static void edges_that_pass_stay_sharp(void **state) {
         mean += (double)r.light[i] / (FINE_PIXELS * 3);
     }
     print_message("edges that pass: %.4f of the mean light off\n", sqrt(off2) / mean);
-    assert_true(sqrt(off2) <= 0.105 * mean);
+    assert_true(sqrt(off2) <= 0.096 * mean);
     rig_finish(&r);
 }
 
