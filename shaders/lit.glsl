@@ -67,7 +67,7 @@ uint ray_places(bool finer) {
 }
 
 /* Of a block's own ray, its first place: near.comp leaves the same there, once its places have been gathered, and in the
- * third how much more of light and transmittance it has found than history holds. */
+ * third, where history lags, how much more of light and transmittance it has found than that holds. */
 uint own_head(uint ray, bool finer) {
     return ray * ray_places(finer);
 }

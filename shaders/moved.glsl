@@ -17,9 +17,9 @@ const float stays = 2e-3;
 const float least_opacity = 0.005;
 /* Between places of history that are taken for one. */
 const float alike_pixels = 0.15;
-/* Samples of a place that a ray has told of; one in four that a filter has mixed is none. */
+/* Samples of a place that a ray has told of, as a filter mixes them: one of four that has had one ray is none. */
 const float has_ray = 0.3;
-/* Places of history so many pixels apart are not the same; history that has moved so far is doubted: see trusted. */
+/* Places of history so many pixels apart are not the same; history that has moved so far is doubted. */
 const float doubted = 1.0;
 
 /* How much the eye goes through air that may hold cloud, 0..1. */

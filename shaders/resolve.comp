@@ -33,7 +33,8 @@ const float told_little = 0.5, told_much = 3.0, same_from = 0.85, same_to = 0.97
 /* Of the light: rays that differ by no more see one even thing. */
 const float even_share = 0.02;
 /* Where history moves so many pixels a frame, but for the strides of standing views, it counts for less when a pixel's ray
- * comes: each time that it is handed on blurs it, the more often the fewer rays there are. */
+ * comes: each time that it is handed on blurs it, the more often the fewer rays there are. It counts for nothing where the
+ * ray has met another thing. */
 const float renewed_from = 0.01, renewed_to = 0.05;
 /* Samples of a pixel that is shown until it has one of its own. */
 const float borrowed = 0.75;
@@ -156,21 +157,31 @@ void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ra
 /* Share of what rays tell of the lag of history that is made up for in a frame. */
 const float caught_share = 0.25;
 
-/* History nearer to what the rays of blocks around a pixel have found: each is asked of the place where it has found it, so
- * that detail between them stays. Where they see another thing than history holds here they tell nothing of it. */
-vec4 caught_up(ivec2 pixel, vec4 light) {
+/* History (`light`, of so much) nearer to what the rays of blocks around a pixel have found: each is asked of the place where
+ * it has found it, so that detail between them stays. Where they see another thing than history holds here they tell nothing
+ * of it; beside what is far brighter, no more than there is. `ray`, `end_m`: the pixel's own way. */
+vec4 caught_up(ivec2 pixel, vec4 light, float held_m, view_ray ray, float end_m) {
     ivec2 side = ray_block_size();
     ivec2 last = ivec2(view.march_size.xy) - 1;
     vec2 at = clamp((vec2(pixel) - vec2(ray_turn(pixel.y / side.y))) / vec2(side), vec2(0.0), vec2(last));
     vec4 lag = vec4(0.0);
     for (int k = 0; k < 4; ++k) {
         ivec2 aside = ivec2(k & 1, k >> 1);
+        ivec2 block = min(ivec2(at) + aside, last);
+        found_ray there = ray_found(block, false);
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(aside));
-        uint head = own_head(ray_of(min(ivec2(at) + aside, last)), view_flag(VELUM_VIEW_BLOCK_FINER));
-        float through = unpack_halves(lit[head]).a;
-        lag += share.x * share.y * sees_alike(abs(through - light.a)) * unpack_halves(lit[head + 2u]);
+        bool fit = found_fits(there, ray, end_m) && alike(held_m, there.distance_m > 0.0 ? there.distance_m : nothing_m());
+        uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
+        float tells = fit ? share.x * share.y * sees_alike(abs(there.light.a - light.a)) : 0.0;
+        lag += tells * unpack_halves(lit[head + 2u]);
     }
-    return max(light + caught_share * travels() * lag, vec4(0.0));
+    return light + caught_share * travels() * clamp(lag, -light, vec4(light.rgb, 1.0 - light.a));
+}
+
+/* Share of a ray beside history of the same thing: a half where each pixel has one in each frame, more the longer history is
+ * handed on. Of a half, three quarters and all for 1 ray in 16, three quarters shows most detail without specks. */
+float renewed_share() {
+    return 1.0 - 0.5 * inversesqrt(sqrt(float(ray_block_size().x * ray_block_size().y)));
 }
 
 /* What history has is lost, or was never there. */
@@ -354,8 +365,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     old.light = rays_beside > 0.0 ? beside / rays_beside : old.light;
 
     if (moves) {
-        if (history_lags() && !calm && count >= has_ray) {
-            old.light = caught_up(pixel, old.light);
+        float opacity = 1.0 - old.light.a;
+        if (history_lags() && !own && count >= has_ray) {
+            old.light = caught_up(pixel, old.light, place.held_m, ray, end_m);
         }
         if (!calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
             bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
@@ -370,14 +382,14 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         vec4 wide = ((high - low) * 0.3 + bright * 0.03) / travels();
         vec4 held = mix(clamp(old.light, low - slack, high + slack), clamp(old.light, low - wide, high + wide), trust);
         /* Cloud that is added so is where this frame's is. */
-        float opacity = 1.0 - old.light.a;
-        float added = own || calm ? 0.0 : max(old.light.a - held.a, 0.0);
+        float added = own || calm ? 0.0 : max(1.0 - held.a - opacity, 0.0);
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = calm ? old.light : held;
         count = count < has_ray ? 0.0 : max(count, 1.0);
-        renewed = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
-        count = min(count, mix(view.scale.w, 1.0, renewed));
-        renewed *= 1.0 - 0.5 * inversesqrt(float(ray_block_size().x));
+        float moved = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
+        count = min(count, mix(view.scale.w, 1.0, moved));
+        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
+        renewed = moved * (alike(place.held_m, fresh_m) ? renewed_share() : 1.0);
     }
 
     cloud_pixel result;

@@ -175,6 +175,35 @@ static void depth_parts_what_is_before_from_what_is_behind(void **state) {
     }
 }
 
+/* Broken cloud goes by at 120 m/s behind a board of the host's over half the picture: what rays tell of the lag of
+ * history (caught_up) makes no air lighter than none, and puts nothing over the board. */
+static void lag_is_told_of_what_it_is_found_in(void **state) {
+    (void)state;
+    static float depth_m[PIXELS];
+    static rig r;
+    enum { FRAMES = 40, CLIMB_M = 2 };
+    const velum_layer cumulus = fixture_cumulus();
+    rig_init(&r, &cumulus);
+    r.depth_m = depth_m;
+    for (int i = 0; i < PIXELS; i++) {
+        depth_m[i] = i % W < W / 2 ? 20.0f : 0.0f;
+    }
+    double most = 0.0, over = 0.0;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        draw(&r, (double)cumulus.base_m - 600.0 + CLIMB_M * frame, 0.6, steady, frame == 0 ? VELUM_VIEW_CUT : 0);
+        r.time_s += FRAME_S;
+        for (int i = 0; i < PIXELS; i++) {
+            const double through = (double)r.through[3 * i];
+            most = fmax(most, through);
+            over = i % W < W / 2 ? fmax(over, 1.0 - through) : over;
+        }
+    }
+    print_message("board before broken cloud: %.4f of it over the board, transmittance of %.5f at most\n", over, most);
+    assert_true(most <= 1.0 + 1e-4);
+    assert_true(over <= 5e-3);
+    rig_finish(&r);
+}
+
 /* A wire of the host's, a pixel or two wide, before thick cloud, in pixels as fine as a simulator's: the eye sinks, and
  * nothing of the cloud is shown over it. */
 static void wires_stay_before_cloud(void **state) {
@@ -598,9 +627,9 @@ static void near_cloud_passes_without_grain(void **state) {
 }
 
 /* Clouds that pass at 120 m/s, in a view as fine as a window's: their edges are no softer than what history tells of
- * them. By steps of 110 m 0.093 of the mean light is off, 0.097 where history is not told how far it lags, 0.099 where it
- * is as good as a pixel's new ray too; near.comp, did it take rays together across edges, would add 0.011. By shorter
- * steps these lie nearer to each other. */
+ * them. By steps of 110 m 0.093 of the mean light is off, 0.097 where rays do not tell how far history lags, and 0.099
+ * where a pixel's new ray counts for no more than history besides; near.comp would add 0.011, did it take rays together
+ * across edges. By shorter steps these lie nearer to each other. */
 static void edges_that_pass_stay_sharp(void **state) {
     (void)state;
     static float moving[FINE_PIXELS * 3];
@@ -637,6 +666,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
                                        cmocka_unit_test(depth_parts_what_is_before_from_what_is_behind),
+                                       cmocka_unit_test(lag_is_told_of_what_it_is_found_in),
                                        cmocka_unit_test(wires_stay_before_cloud),
                                        cmocka_unit_test(closed_cloud_hides_depth_behind_it),
                                        cmocka_unit_test(views_that_stand_have_fewer_rays),
