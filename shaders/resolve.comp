@@ -53,7 +53,7 @@ layout(constant_id = 5) const bool draws_ground = true;
 layout(constant_id = 7) const bool moves = true;
 layout(constant_id = 8) const bool keeps = false;
 
-/* Where it would have stood, had the eye turned and nothing moved. */
+/* Where what a ray meets would have stood, had the eye turned and nothing moved. */
 vec2 turned_of(view_ray ray) {
     return past_place_of(ray.origin - view.offset.xyz + ray.direction * nothing_m()).pixel;
 }
