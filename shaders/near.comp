@@ -21,8 +21,7 @@ float share_of(ivec2 beside) {
 
 /* What a ray sees more than history holds there; nothing where that holds another thing, or nothing. */
 vec4 lag_of(view_ray ray, vec4 light, float distance_m, float end_m) {
-    float there_m = distance_m > 0.0 ? distance_m : nothing_m();
-    there_m = has_depth ? min(there_m, end_m) : there_m;
+    float there_m = has_depth ? min(met_m(distance_m), end_m) : met_m(distance_m);
     bool one;
     history_place place = history_of(ray, there_m, there_m, one);
     light_beside beside;

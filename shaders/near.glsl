@@ -10,6 +10,11 @@ float nothing_m() {
     return max(nothing_least_m, view.march.z);
 }
 
+/* For history, where a ray met cloud; 0: it met none. */
+float met_m(float distance_m) {
+    return distance_m > 0.0 ? distance_m : nothing_m();
+}
+
 /* Where a ray ends whose host's surface is so far away; below 0: there is none. */
 float end_of(float hit_m) {
     return hit_m >= 0.0 ? min(hit_m, nothing_m()) : nothing_m();

@@ -170,7 +170,7 @@ vec4 caught_up(ivec2 pixel, vec4 light, float held_m, view_ray ray, float end_m)
         ivec2 block = min(ivec2(at) + aside, last);
         found_ray there = ray_found(block, false);
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(aside));
-        bool fit = found_fits(there, ray, end_m) && alike(held_m, there.distance_m > 0.0 ? there.distance_m : nothing_m());
+        bool fit = found_fits(there, ray, end_m) && alike(held_m, met_m(there.distance_m));
         uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
         float tells = fit ? share.x * share.y * sees_alike(abs(there.light.a - light.a)) : 0.0;
         lag += tells * unpack_halves(lit[head + 2u]);
@@ -285,7 +285,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         nearby += weight * nearness(distance_m, ray.direction);
         weights += weight;
         blend += weight * (1.0 - light.a) * distance_m;
-        distance_m = distance_m > 0.0 ? distance_m : nothing_m();
+        distance_m = met_m(distance_m);
         if (has_depth && fit && !fits) {
             /* What those before it saw lies elsewhere. */
             low = high = light;
@@ -317,7 +317,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     vec2 size = vec2(view.size.xy);
     bool calm = false;
     if (moves) {
-        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
+        float fresh_m = met_m(fresh.distance_m);
         bool one;
         place = history_of(ray, min(own ? fresh_m : near_m, end_m), min(own ? fresh_m : far_m, end_m), one);
         /* All has moved alike, and little: history is believed, whatever other rays have seen. */
@@ -388,8 +388,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         count = count < has_ray ? 0.0 : max(count, 1.0);
         float moved = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
         count = min(count, mix(view.scale.w, 1.0, moved));
-        float fresh_m = fresh.distance_m > 0.0 ? fresh.distance_m : nothing_m();
-        renewed = moved * (alike(place.held_m, fresh_m) ? renewed_share() : 1.0);
+        renewed = moved * (alike(place.held_m, met_m(fresh.distance_m)) ? renewed_share() : 1.0);
     }
 
     cloud_pixel result;
