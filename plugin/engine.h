@@ -50,10 +50,13 @@ typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
-    PASS_DUE,                                       /* rays of views that stand */
-    PASS_FINER,                                     /* rays of views that move */
-    PASS_NEAR,                                      /* and of those that meet near cloud */
-    PASS_NEAR_DEPTH,                                /* before what the host has drawn */
+    PASS_DUE,         /* rays of views that stand */
+    PASS_FINER,       /* rays of views that move */
+    PASS_NEAR,        /* and of those that meet near cloud */
+    PASS_NEAR_DEPTH,  /* before what the host has drawn */
+    PASS_VOLUME_FILL, /* two, PASS_MIXED; for studies, made when they are asked for */
+    PASS_VOLUME_SUN = PASS_VOLUME_FILL + PASS_MIXED + 1,
+    PASS_VOLUME_SPREAD,
     PASS_MARCH,                                     /* eight */
     PASS_MARCH_UNEVEN = PASS_MARCH + PASS_VARIANTS, /* eight, for weather that differs from place to place */
     PASS_LIGHT = PASS_MARCH_UNEVEN + PASS_VARIANTS, /* of the places that rays have found: eight; then for each ray */
@@ -276,6 +279,20 @@ typedef struct view_history {
     uint32_t calm_turns; /* of tiles of rays, in that frame: see history_turn */
 } view_history;
 
+/* What a volume of light is made for. */
+typedef struct light_volume_key {
+    velum_eye_block eye;
+    double position[3];
+    uint64_t state[2], tables;
+    float cell_m;
+} light_volume_key;
+
+typedef struct light_volume {
+    gpu_buffer buffer; /* velum_light_volume_block and cells; none until a plan wants it */
+    bool is_made;
+    light_volume_key key;
+} light_volume;
+
 struct view {
     eye *eye;
     velum_view *handle;
@@ -288,6 +305,7 @@ struct view {
     gpu_buffer lit;  /* of as many rays (shaders/lit.glsl): places, then their list, then that of rays that are due */
     gpu_buffer rays; /* the same (shaders/view.glsl) */
     gpu_image history[2], history_data[2];
+    light_volume light_volume;
     uint32_t newest; /* of history */
     view_history past;
     velum_view_stats stats;

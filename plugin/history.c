@@ -112,7 +112,7 @@ static bool same_picture(const velum_plan *a, const velum_plan *b) {
            a->ray_rate == b->ray_rate && a->octaves == b->octaves && a->step_m == b->step_m &&
            a->step_growth == b->step_growth && a->integrator == b->integrator && a->scattering == b->scattering &&
            a->sun_depth == b->sun_depth && a->long_step == b->long_step && a->thin_density == b->thin_density &&
-           a->exit_transmittance == b->exit_transmittance;
+           a->exit_transmittance == b->exit_transmittance && a->volume_cell_m == b->volume_cell_m;
 }
 
 /* Whether history need not be moved: cloud has drifted too little since it was for that to show. */

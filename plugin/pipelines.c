@@ -17,6 +17,9 @@
 #include "glow.spv.h"
 #include "light.spv.h"
 #include "light_fringed.spv.h"
+#include "light_volume_fill.spv.h"
+#include "light_volume_spread.spv.h"
+#include "light_volume_sun.spv.h"
 #include "march.spv.h"
 #include "march_fringed.spv.h"
 #include "march_study.spv.h"
@@ -138,6 +141,10 @@ static bool is_of(pass which, pass first) {
     return which >= first && which < first + PASS_VARIANTS;
 }
 
+static bool is_volume_fill(pass which) {
+    return which >= PASS_VOLUME_FILL && which < PASS_VOLUME_SUN;
+}
+
 static bool is_resolve(pass which) {
     return which >= PASS_RESOLVE && which < PASS_REFERENCE;
 }
@@ -180,6 +187,7 @@ static pass family_of(pass which) {
     return is_of(which, PASS_MARCH)          ? PASS_MARCH
            : is_of(which, PASS_MARCH_UNEVEN) ? PASS_MARCH_UNEVEN
            : is_of(which, PASS_LIGHT)        ? PASS_LIGHT
+           : is_volume_fill(which)           ? PASS_VOLUME_FILL
            : is_of(which, PASS_MARCH_STUDY)  ? PASS_MARCH_STUDY
            : is_of(which, PASS_SHADOW)       ? PASS_SHADOW
            : is_resolve(which)               ? PASS_RESOLVE
@@ -203,6 +211,9 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_FINER] = {velum_finer_spv, sizeof velum_finer_spv},
         [PASS_NEAR] = {velum_near_spv, sizeof velum_near_spv},
         [PASS_NEAR_DEPTH] = {velum_near_spv, sizeof velum_near_spv},
+        [PASS_VOLUME_FILL] = {velum_light_volume_fill_spv, sizeof velum_light_volume_fill_spv},
+        [PASS_VOLUME_SUN] = {velum_light_volume_sun_spv, sizeof velum_light_volume_sun_spv},
+        [PASS_VOLUME_SPREAD] = {velum_light_volume_spread_spv, sizeof velum_light_volume_spread_spv},
         [PASS_MARCH] = {velum_march_spv, sizeof velum_march_spv},
         [PASS_MARCH + PASS_FRINGED] = {velum_march_fringed_spv, sizeof velum_march_fringed_spv},
         [PASS_MARCH_UNEVEN] = {velum_march_spv, sizeof velum_march_spv},
@@ -323,7 +334,8 @@ static bool create_listed(pipeline_list *list, gpu *g) {
 static bool is_left_out(pass which, bool arrays) {
     const uint32_t kind = variant_of(which);
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_LIGHT);
-    return is_of(which, PASS_MARCH_STUDY) || (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
+    return is_of(which, PASS_MARCH_STUDY) || (which >= PASS_VOLUME_FILL && which <= PASS_VOLUME_SPREAD) ||
+           (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
            (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
 }
 
@@ -367,7 +379,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T, B};
-    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B, B};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};
     bool known = blob_is_ours(g, blob, blob_size);

@@ -120,31 +120,34 @@ void plan_make(const engine *e, eye *y) {
 
 bool plan_is_study(const velum_plan *p) {
     return p->flags != 0 || p->integrator != 0 || p->scattering != 0 || p->sun_depth != 0 || p->long_step != 0.0f ||
-           p->thin_density != 0.0f || p->exit_transmittance != 0.0f;
+           p->thin_density != 0.0f || p->exit_transmittance != 0.0f || p->volume_cell_m != 0.0f;
 }
 
 static bool check_study(checker *check, const eye *y, const velum_plan *p) {
     const uint32_t flags = VELUM_PLAN_STEP_THROUGH | VELUM_PLAN_BASE_SEARCH | VELUM_PLAN_LIGHT_ALL;
     if (!check_flags(check, "plan.flags", p->flags, flags) ||
         !check_count(check, "plan.integrator", p->integrator, 0, VELUM_INTEGRATOR_TRAPEZOID) ||
-        !check_count(check, "plan.scattering", p->scattering, 0, VELUM_SCATTERING_OCTAVES) ||
+        !check_count(check, "plan.scattering", p->scattering, 0, VELUM_SCATTERING_VOLUME) ||
         !check_count(check, "plan.sun_depth", p->sun_depth, 0, VELUM_SUN_DEPTH_MAP) ||
         (p->long_step != 0.0f && !check_range(check, "plan.long_step", (double)p->long_step, 1.0, 64.0)) ||
         !check_range(check, "plan.thin_density", (double)p->thin_density, 0.0, 1.0) ||
         (p->exit_transmittance != 0.0f &&
-         !check_range(check, "plan.exit_transmittance", (double)p->exit_transmittance, (double)1e-6f, (double)0.9f))) {
+         !check_range(check, "plan.exit_transmittance", (double)p->exit_transmittance, (double)1e-6f, (double)0.9f)) ||
+        (p->volume_cell_m != 0.0f &&
+         !check_range(check, "plan.volume_cell_m", (double)p->volume_cell_m, 50.0, 2000.0))) {
         return false;
     }
     if (y->has_study || !plan_is_study(p)) {
         return true;
     }
-    const char *field = p->flags                 ? "flags"
-                        : p->integrator          ? "integrator"
-                        : p->scattering          ? "scattering"
-                        : p->sun_depth           ? "sun_depth"
-                        : p->long_step > 0.0f    ? "long_step"
-                        : p->thin_density > 0.0f ? "thin_density"
-                                                 : "exit_transmittance";
+    const char *field = p->flags                       ? "flags"
+                        : p->integrator                ? "integrator"
+                        : p->scattering                ? "scattering"
+                        : p->sun_depth                 ? "sun_depth"
+                        : p->long_step > 0.0f          ? "long_step"
+                        : p->thin_density > 0.0f       ? "thin_density"
+                        : p->exit_transmittance > 0.0f ? "exit_transmittance"
+                                                       : "volume_cell_m";
     return check_fail(check, VELUM_ERROR_STATE, "plan.%s: expected 0: the eye was made without VELUM_EYE_STUDY", field);
 }
 

@@ -5,6 +5,7 @@
 
 #include "blocks.h"
 #include "history.h"
+#include "light_volume.h"
 
 #define EYE_REACH_M 10000.0
 /* So far from its eye a view has air of its own before it. */
@@ -177,7 +178,7 @@ _Static_assert(VELUM_STUDY_STEP_THROUGH == VELUM_PLAN_STEP_THROUGH &&
                    VELUM_STUDY_BASE_SEARCH == VELUM_PLAN_BASE_SEARCH && VELUM_STUDY_LIGHT_ALL == VELUM_PLAN_LIGHT_ALL &&
                    VELUM_STUDY_BEFORE == VELUM_INTEGRATOR_BEFORE && VELUM_STUDY_AFTER == VELUM_INTEGRATOR_AFTER &&
                    VELUM_STUDY_TRAPEZOID == VELUM_INTEGRATOR_TRAPEZOID &&
-                   VELUM_STUDY_OCTAVES == VELUM_SCATTERING_OCTAVES &&
+                   VELUM_STUDY_OCTAVES == VELUM_SCATTERING_OCTAVES && VELUM_STUDY_VOLUME == VELUM_SCATTERING_VOLUME &&
                    VELUM_STUDY_SUN_COARSE == VELUM_SUN_DEPTH_COARSE && VELUM_STUDY_SUN_FINE == VELUM_SUN_DEPTH_FINE &&
                    VELUM_STUDY_SUN_MAP == VELUM_SUN_DEPTH_MAP,
                "shaders and ABI name the same methods");
@@ -279,7 +280,9 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_COUNTERS] = {e->counters.buffer, (VkDeviceSize)counter * COUNTER_STRIDE, 16},
         [VELUM_BIND_LIT] = {v->lit.buffer, 0, list_at},
         [VELUM_BIND_LIT_LIST] = {v->lit.buffer, list_at, VK_WHOLE_SIZE},
-        [VELUM_BIND_RAYS] = {v->rays.buffer, 0, VK_WHOLE_SIZE}};
+        [VELUM_BIND_RAYS] = {v->rays.buffer, 0, VK_WHOLE_SIZE},
+        [VELUM_BIND_LIGHT_VOLUME] = {v->light_volume.buffer.size > 0 ? v->light_volume.buffer.buffer : v->rays.buffer,
+                                     0, VK_WHOLE_SIZE}};
     static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
         [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
         [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -297,7 +300,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_COUNTERS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIT_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        [VELUM_BIND_RAYS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        [VELUM_BIND_RAYS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        [VELUM_BIND_LIGHT_VOLUME] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
         bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;
@@ -352,6 +356,7 @@ typedef struct view_passes {
     pass near;    /* PASS_COUNT: the view does not move */
     pass resolve; /* without ground */
     pass list;    /* of rays; PASS_COUNT: each block has one */
+    bool volume;  /* of light */
 } view_passes;
 
 static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
@@ -368,7 +373,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
                              .gather = PASS_COUNT,
                              .near = near,
                              .resolve = resolve,
-                             .list = PASS_COUNT};
+                             .list = PASS_COUNT,
+                             .volume = light_volume_wanted(&y->plan)};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
@@ -384,7 +390,7 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
 }
 
 static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
-    pass needed[7] = {passes->march, passes->resolve};
+    pass needed[11] = {passes->march, passes->resolve};
     uint32_t count = 2;
     if (passes->light != PASS_COUNT) {
         needed[count++] = passes->light;
@@ -395,6 +401,11 @@ static bool make_passes(engine *e, const view_passes *passes, const velum_view_f
     }
     if (passes->list != PASS_COUNT) {
         needed[count++] = passes->list;
+    }
+    if (passes->volume) {
+        for (int which = PASS_VOLUME_FILL; which <= PASS_VOLUME_SPREAD; which++) {
+            needed[count++] = (pass)which;
+        }
     }
     if (f->flags & VELUM_VIEW_GROUND) {
         needed[count++] = (pass)(passes->resolve + PASS_GROUND);
@@ -507,7 +518,8 @@ static void record_resolve(view *v, VkCommandBuffer commands, const velum_view_f
 }
 
 static void record_passes(view *v, VkCommandBuffer commands, const velum_view_block *block, const velum_view_frame *f,
-                          bool tiles_begin, const view_passes *passes, uint32_t counter, uint32_t query) {
+                          const velum_plan *plan, bool tiles_begin, const view_passes *passes, uint32_t counter,
+                          uint32_t query) {
     engine *e = v->eye->e;
     gpu *g = &e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
@@ -527,6 +539,9 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
+    if (passes->volume) {
+        light_volume_record(v, commands, plan);
+    }
     record_march(v, commands, block, passes);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,
                 read | write | VK_ACCESS_2_TRANSFER_READ_BIT);
@@ -576,7 +591,8 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     const block_size side = block_of(plan.ray_rate);
     const view_passes passes = passes_of(y, &history, im.layers != 0);
     if (!make_passes(e, &passes, &f) ||
-        !view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
+        !view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h) ||
+        !light_volume_grow(v, &plan)) {
         return gpu_result(&e->g);
     }
     velum_view_block block;
@@ -594,7 +610,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     /* Blocks that no frame has had teach nothing of their cost. */
     governor_setting setting = governor_now(&y->governor);
     setting.finer = history.has_finer ? setting.finer : 0;
-    record_passes(v, commands, &block, &f, history.tiles_begin, &passes, counter, query);
+    record_passes(v, commands, &block, &f, &plan, history.tiles_begin, &passes, counter, query);
     slot->record[slot->record_count++] = (frame_record){.v = v,
                                                         .query = query,
                                                         .is_governed = y->is_governed,

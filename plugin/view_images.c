@@ -1,7 +1,7 @@
 /* Images and buffers of a view: its rays, its history. */
 #include <stdlib.h>
 
-#include "engine.h"
+#include "light_volume.h"
 
 _Static_assert(9 * VELUM_FINER_PLACES + VELUM_FINER_NINTHS * 3 * (VELUM_FINER_PLACES + 1) <= 9 * VELUM_LIT_ROOM,
                "finer rays have room for their places and heads");
@@ -66,6 +66,7 @@ bool view_images_init(view *v) {
 void view_images_finish(gpu *g, view *v) {
     reference_finish(g, v);
     finish_rays(g, v);
+    light_volume_finish(g, v);
     for (uint32_t i = 0; i < 2; i++) {
         gpu_image_finish(g, &v->history[i]);
         gpu_image_finish(g, &v->history_data[i]);

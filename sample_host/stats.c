@@ -43,7 +43,7 @@ static json_t *flags_array(uint32_t flags) {
 
 json_t *stats_plan(const velum_plan *plan) {
     static const char *const integrators[] = {"energy", "before", "after", "trapezoid"};
-    static const char *const scatterings[] = {"closure", "octaves"};
+    static const char *const scatterings[] = {"closure", "octaves", "volume"};
     static const char *const sun_depths[] = {"steps", "coarse", "fine", "map"};
     json_t *object = json_object();
     json_object_set_new(object, "flags", flags_array(plan->flags));
@@ -55,13 +55,14 @@ json_t *stats_plan(const velum_plan *plan) {
     json_object_set_new(object, "finer_rays", json_integer(plan->finer_rays));
     json_object_set_new(object, "finer_blocks", json_integer(plan->finer_blocks));
     json_object_set_new(object, "every_pixel", json_integer(plan->every_pixel));
+    json_object_set_new(object, "volume_cell_m", json_number((double)plan->volume_cell_m));
     json_object_set_new(object, "octaves", json_integer(plan->octaves));
     json_object_set_new(object, "blending", json_integer(plan->blending));
     json_object_set_new(object, "step_m", json_number((double)plan->step_m));
     json_object_set_new(object, "step_growth", json_number((double)plan->step_growth));
     json_object_set_new(object, "distance_m", json_number((double)plan->distance_m));
     json_object_set_new(object, "integrator", named(integrators, 4, plan->integrator));
-    json_object_set_new(object, "scattering", named(scatterings, 2, plan->scattering));
+    json_object_set_new(object, "scattering", named(scatterings, 3, plan->scattering));
     json_object_set_new(object, "sun_depth", named(sun_depths, 4, plan->sun_depth));
     json_object_set_new(object, "long_step", json_number((double)plan->long_step));
     json_object_set_new(object, "thin_density", json_number((double)plan->thin_density));

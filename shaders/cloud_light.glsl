@@ -9,6 +9,9 @@
 #include "shared/slab.h"
 #include "study.glsl"
 #include "weather.glsl"
+#ifdef VELUM_STUDY
+#include "light_volume.glsl"
+#endif
 
 /* Whether some cloud in sight may be a closed sheet or a uniform layer. The plain pipeline does not pay for their tables.
  */
@@ -18,10 +21,13 @@ layout(constant_id = 4) const bool velum_closes = true;
 struct ray_phases {
     float water, ice; /* first order */
     float cos_sun;
+    vec3 direction;
 };
 
-ray_phases ray_phases_of(float cos_sun) {
+ray_phases ray_phases_of(vec3 direction) {
+    float cos_sun = dot(direction, eye.sun.xyz);
     ray_phases phases;
+    phases.direction = direction;
     phases.cos_sun = cos_sun;
     phases.water = velum_phase_cloud(cos_sun, false);
     phases.ice = velum_phase_cloud(cos_sun, true);
@@ -587,6 +593,56 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     return source / float(points);
 }
 
+#ifdef VELUM_STUDY
+/* Cells from a side of the volume over which our own light takes its place. */
+const float study_volume_rim = 4.0;
+/* What is scattered once more within a cell of the sun's light, on the mean. */
+const float study_volume_within = 1.0;
+
+/* Of the cells around a place, by how much cloud they have: the eye sees the light of that, not of the air beside it. */
+struct study_cells {
+    vec3 light, sun, flux;
+};
+study_cells study_cells_at(vec3 place) {
+    ivec3 first = ivec3(floor(place - 0.5));
+    vec3 share = place - 0.5 - vec3(first);
+    int count = volume_count();
+    study_cells sum = study_cells(vec3(0.0), vec3(0.0), vec3(0.0));
+    float whole = 0.0;
+    for (int i = 0; i < 8; ++i) {
+        ivec3 corner = ivec3(i & 1, i >> 1 & 1, i >> 2);
+        int at = volume_index(first + corner);
+        vec3 weights = mix(1.0 - share, share, vec3(corner));
+        vec4 light = volume_cells[volume_newest() * count + at];
+        float weight = weights.x * weights.y * weights.z * (light.w + 1.0e-6);
+        sum.light += weight * light.rgb;
+        sum.sun += weight * volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb;
+        sum.flux += weight * volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + at].xyz;
+        whole += weight;
+    }
+    return study_cells(sum.light / whole, sum.sun / whole, sum.flux / whole);
+}
+
+/* `source`: our own light there, which holds beside the volume and where it has no cloud of the slot. */
+vec3 study_volume_source(vec3 source, cloud_hit hit, ray_phases phases, vec3 sun, float depth) {
+    vec3 place = volume_place(hit.r, hit.height_m);
+    vec2 aside = min(place.xy, float(volume.grid.x) - place.xy) / study_volume_rim;
+    float share = clamp(min(aside.x, aside.y), 0.0, 1.0);
+    bool is_held = (volume.grid.w & (1u << uint(hit.slot))) != 0u && !is_fringe(hit);
+    study_cells cells = study_cells_at(place);
+    float first = exp(-depth);
+    float ahead = exp(-(1.0 - study_g_water) * depth);
+    float wide = velum_phase_hg(phases.cos_sun, study_g_water);
+    vec3 forward = sun * (phases.water * first + wide * (ahead - first));
+    vec3 within = sun * (VELUM_INV_4PI * ahead) - cells.sun;
+    /* What goes on forward still goes the way of the flux (Eddington's approximation). */
+    float mean = max(dot(cells.light, VELUM_LUMINANCE_OF), 1.0e-6);
+    float onward = 3.0 * study_g_water * dot(cells.flux, volume_east_north_up(-phases.direction)) / mean;
+    vec3 light = cells.light * max(1.0 + onward, 0.0) + study_volume_within * within;
+    return mix(source, forward + max(light, vec3(0.0)), is_held ? share : 0.0);
+}
+#endif
+
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
  * sample it comes from, if that is known better. */
 vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
@@ -600,6 +656,11 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     way.depth = STUDIED(study_sun_depth(hit.r, way.depth), way.depth);
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun * left.open, field, mu_sun, way);
+#ifdef VELUM_STUDY
+    if (study_volume()) {
+        source = study_volume_source(source, hit, phases, sun * left.open, way.depth);
+    }
+#endif
     if (velum_closes && closed > 0.0) {
         vec3 tabled = table_source(hit, phases, ways, sun, mu_sun, way.depth, place_m);
         source = uniform_layer ? tabled : mix(source, tabled, closed);

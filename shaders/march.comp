@@ -160,7 +160,7 @@ void main() {
     float clear_to = 1.0e9; /* the same of layers that the step does not meet */
     bool alive = position < end && eye.table.z != 0u;
 #ifdef VELUM_STUDY
-    ray_phases phases = ray_phases_of(dot(ray.direction, eye.sun.xyz));
+    ray_phases phases = ray_phases_of(ray.direction);
     vec3 light = vec3(0.0);
     vec3 source = vec3(0.0);
     uint light_samples = 0u;

@@ -5,6 +5,10 @@
 
 #include "shared/slab.h"
 
+/* Mean cosines of velum_phase_cloud (shared/phase.h). */
+const float study_g_water = 0.8793;
+const float study_g_ice = 0.75;
+
 #ifdef VELUM_STUDY
 #define STUDIED(theirs, ours) (theirs)
 
@@ -12,10 +16,6 @@
 #define VELUM_SHADOW_BLOCK_BINDING VELUM_BIND_SHADOW_BLOCK
 #define VELUM_SHADOW_MAP_BINDING VELUM_BIND_SHADOW
 #include "velum/velum_shadow.glsl"
-
-/* Mean cosines of velum_phase_cloud (shared/phase.h). */
-const float study_g_water = 0.8793;
-const float study_g_ice = 0.75;
 
 bool study_flag(uint flag) {
     return (view.study.x & flag) != 0u;
@@ -89,6 +89,10 @@ struct study_light {
     float first, g, cos_sun;
     float depth, depth_above, depth_below;
 };
+
+bool study_volume() {
+    return view.study.z == VELUM_STUDY_VOLUME;
+}
 
 bool study_octaves() {
     return view.study.z == VELUM_STUDY_OCTAVES;

@@ -107,6 +107,7 @@ VELUM_STRUCT(velum_view_block) {
 #define VELUM_STUDY_AFTER 2u
 #define VELUM_STUDY_TRAPEZOID 3u
 #define VELUM_STUDY_OCTAVES 1u
+#define VELUM_STUDY_VOLUME 2u
 #define VELUM_STUDY_SUN_COARSE 1u
 #define VELUM_STUDY_SUN_FINE 2u
 #define VELUM_STUDY_SUN_MAP 3u
@@ -158,7 +159,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_LIT 14      /* storage: two dispatches and three counts, then places of rays that get light (lit.glsl) */
 #define VELUM_BIND_LIT_LIST 15 /* storage: uint, those of them that there are; finer blocks; rays that are due (due.glsl) */
 #define VELUM_BIND_RAYS 16     /* storage: of each ray and tile of rays, what view.glsl says */
-#define VELUM_BIND_VIEW_COUNT 17
+#define VELUM_BIND_LIGHT_VOLUME 17 /* storage: shared/light_volume.h, or a dummy */
+#define VELUM_BIND_VIEW_COUNT 18
 
 /* Set 1 of the shadow pass. */
 #define VELUM_BIND_SHADOW_LEVEL 0 /* uniform velum_shadow_level_block, dynamic offset */

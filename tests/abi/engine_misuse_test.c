@@ -354,11 +354,12 @@ static void answers_are_checked(void **state) {
         RULE(velum_plan, finer_blocks, FIELD_U32, 0, 14),
         RULE(velum_plan, every_pixel, FIELD_U32, 0, 1),
         RULE(velum_plan, integrator, FIELD_U32, 0, VELUM_INTEGRATOR_TRAPEZOID),
-        RULE(velum_plan, scattering, FIELD_U32, 0, VELUM_SCATTERING_OCTAVES),
+        RULE(velum_plan, scattering, FIELD_U32, 0, VELUM_SCATTERING_VOLUME),
         RULE(velum_plan, sun_depth, FIELD_U32, 0, VELUM_SUN_DEPTH_MAP),
         RULE(velum_plan, long_step, FIELD_F32, 0, 64),
         RULE(velum_plan, thin_density, FIELD_F32, 0, 1),
         RULE(velum_plan, exit_transmittance, FIELD_F32, 0, 0.9),
+        RULE(velum_plan, volume_cell_m, FIELD_F32, 0, 2000),
     };
     misuse_rules(&m, &f.plan, rules, COUNT(rules), false);
     static const uint32_t rates[] = {0, 3, 5, 12, 15, 17, 63, 65, 128, UINT32_MAX};

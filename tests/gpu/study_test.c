@@ -138,9 +138,17 @@ static void needs_an_eye_made_for_it(void **state) {
                                 {.long_step = 1.0f},
                                 {.thin_density = 0.01f},
                                 {.exit_transmittance = 0.01f},
+                                {.volume_cell_m = 200.0f},
                                 {.integrator = 0}};
-    const char *const names[] = {"plan.flags",     "plan.integrator",   "plan.scattering",         "plan.sun_depth",
-                                 "plan.long_step", "plan.thin_density", "plan.exit_transmittance", NULL};
+    const char *const names[] = {"plan.flags",
+                                 "plan.integrator",
+                                 "plan.scattering",
+                                 "plan.sun_depth",
+                                 "plan.long_step",
+                                 "plan.thin_density",
+                                 "plan.exit_transmittance",
+                                 "plan.volume_cell_m",
+                                 NULL};
     for (size_t i = 0; i < sizeof plans / sizeof plans[0]; i++) {
         velum_plan plan = plan_of();
         plan.flags = plans[i].flags;
@@ -150,6 +158,7 @@ static void needs_an_eye_made_for_it(void **state) {
         plan.long_step = plans[i].long_step;
         plan.thin_density = plans[i].thin_density;
         plan.exit_transmittance = plans[i].exit_transmittance;
+        plan.volume_cell_m = plans[i].volume_cell_m;
         velum_result expected = names[i] ? VELUM_ERROR_STATE : VELUM_OK;
         assert_int_equal(r.f.engine_api->set_plan(r.f.eye, &plan), expected);
         assert_true(!names[i] || strstr(r.f.newest, names[i]));
@@ -263,6 +272,55 @@ static void octaves_are_as_published(void **state) {
         draw_plan(&r, &plan, 1);
         expect_near(mean(r.light), expected, 0.02, "octaves");
     }
+    rig_finish(&r);
+}
+
+/* What goes from cell to cell is nothing where cloud is thin, the same at every run, and the less of cells' size the
+ * smaller they are. */
+static void light_goes_from_cell_to_cell(void **state) {
+    (void)state;
+    static float coarse[PIXELS * 3], medium[PIXELS * 3];
+    rig r;
+    double ahead[3];
+    rig_init(&r);
+    for (int i = 0; i < 3; i++) {
+        ahead[i] = cos(0.25) * r.east[i] + sin(0.25) * r.up[i];
+    }
+    look(&r, 300.0, ahead, 0.6f, 0.6, VELUM_ATMOSPHERE_NONE);
+    velum_layer layer = fixture_cumulus();
+    layer.flags |= VELUM_LAYER_EXTINCTION;
+    layer.extinction_1_m = 1e-6f;
+    fixture_commit(&r.f, &layer, 1);
+    velum_plan plan = plan_of();
+    plan.flags = VELUM_PLAN_LIGHT_ALL;
+    plan.volume_cell_m = 400.0f;
+    plan.scattering = VELUM_SCATTERING_OCTAVES;
+    plan.octaves = 1;
+    draw_plan(&r, &plan, 4);
+    const double single = mean(r.light);
+    assert_true(single > 0.0);
+    plan.scattering = VELUM_SCATTERING_VOLUME;
+    draw_plan(&r, &plan, 4);
+    expect_near(mean(r.light), single, 0.02, "thin cloud's light");
+
+    clouds(&r);
+    const float cells_m[] = {800.0f, 400.0f, 200.0f};
+    float *const kept[] = {coarse, medium, r.light};
+    for (int i = 0; i < 3; i++) {
+        plan.volume_cell_m = cells_m[i];
+        draw_plan(&r, &plan, 4);
+        memmove(kept[i], r.light, sizeof r.light);
+    }
+    const double first = apart(coarse, r.light), then = apart(medium, r.light);
+    assert_true(then > 0.001 && then < 0.8 * first);
+    const double fine = mean(r.light);
+    plan.volume_cell_m = 400.0f;
+    draw_plan(&r, &plan, 4);
+    assert_memory_equal(r.light, medium, sizeof medium);
+    plan.scattering = VELUM_SCATTERING_CLOSURE;
+    plan.volume_cell_m = 0.0f;
+    draw_plan(&r, &plan, 4);
+    expect_near(mean(r.light), fine, 0.15, "our own light");
     rig_finish(&r);
 }
 
@@ -451,6 +509,7 @@ int main(void) {
         cmocka_unit_test(changes_nothing_unasked),
         cmocka_unit_test(integrators_differ_as_they_should),
         cmocka_unit_test(octaves_are_as_published),
+        cmocka_unit_test(light_goes_from_cell_to_cell),
         cmocka_unit_test(early_exits_lose_what_they_leave),
         cmocka_unit_test(steps_through_air_cost_samples),
         cmocka_unit_test(thin_samples_let_light_through),

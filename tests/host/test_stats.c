@@ -44,7 +44,8 @@ static void every_field_of_a_plan_is_told(void **state) {
                              .standing_ray_rate = 32,
                              .finer_rays = 1,
                              .finer_blocks = 9,
-                             .every_pixel = 1};
+                             .every_pixel = 1,
+                             .volume_cell_m = 250.0f};
     json_t *object = stats_plan(&plan);
     assert_int_equal(json_object_size(object), sizeof plan / 4 - 1); /* all but struct_size */
     json_t *flags = json_object_get(object, "flags");
@@ -70,6 +71,7 @@ static void every_field_of_a_plan_is_told(void **state) {
     assert_true(number_of(object, "finer_rays") == 1.0);
     assert_true(number_of(object, "finer_blocks") == 9.0);
     assert_true(number_of(object, "every_pixel") == 1.0);
+    assert_true(number_of(object, "volume_cell_m") == 250.0);
     json_decref(object);
 }
 

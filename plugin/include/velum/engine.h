@@ -209,7 +209,15 @@ enum {
     VELUM_SCATTERING_CLOSURE = 0, /* Velum's own: first order, widened peak, diffuse light of two streams */
     /* Octaves: each has half the scattering, extinction and asymmetry of the one before (Wrenninge et al. 2013;
      * a = b = c = 0.5). velum_plan.octaves of them; 1 is single scattering. */
-    VELUM_SCATTERING_OCTAVES = 1
+    VELUM_SCATTERING_OCTAVES = 1,
+    /* The first order, and the beam that has gone on forward since, by its mean cosine; all else by light that goes
+     * from cell to cell of a volume around the eye, 12.8 km a side or 128 cells of velum_plan.volume_cell_m, as high as
+     * its clouds, in 64 passes: in cells it is scattered alike to all sides, by an extinction less what goes on forward
+     * (similarity; van de Hulst 1980), towards the eye it goes on as Eddington has it (1916: mean and flux). Of low,
+     * middle and storm clouds but for scud, precipitation and closed sheets; others, and what lies beside the volume,
+     * have the closure. It is made anew in every frame in which the eye, the sun, the time or the weather is another:
+     * for pictures that stand. */
+    VELUM_SCATTERING_VOLUME = 2
 };
 
 /* Depth of cloud towards the sun. No effect on uniform layers, whose depth is known. */
@@ -261,13 +269,17 @@ typedef struct velum_plan {
      * struct_size ends before it. */
     uint32_t finer_rays;
 
-    /* With finer_rays: how many of 64 blocks (8 x 8) may be so, 1..14; 0: two in nine. What a budget_ms leaves when steps
-     * are as short as they get, and twice the rays are too dear, goes to these, one by one. */
+    /* With finer_rays: how many of 64 blocks (8 x 8) may be so, 1..14; 0: two in nine. What a budget_ms leaves when
+     * steps are as short as they get, and twice the rays are too dear, goes to these, one by one. */
     uint32_t finer_blocks;
 
-    /* 1: views that stand draw each pixel each frame, as those do that move, and not only where there are new rays; so it
-     * is where a budget_ms is kept, which would be missed as soon as the eye moves. */
+    /* 1: views that stand draw each pixel each frame, as those do that move, and not only where there are new rays; so
+     * it is where a budget_ms is kept, which would be missed as soon as the eye moves. */
     uint32_t every_pixel;
+
+    /* For eyes with VELUM_EYE_STUDY: side of a cell of VELUM_SCATTERING_VOLUME, m: 50..2000; 0: 100. Its height is two
+     * fifths of that, or a thirty-second of what it must hold. */
+    float volume_cell_m;
 } velum_plan;
 
 typedef struct velum_engine_api {

@@ -1,0 +1,30 @@
+/* The grid of a volume of light: see light_volume.glsl. */
+#ifndef VELUM_LIGHT_VOLUME_H
+#define VELUM_LIGHT_VOLUME_H
+
+#include "arguments.h"
+
+#define VELUM_LIGHT_VOLUME_SIDE_M 12800.0f /* as long as its cells are not too many */
+#define VELUM_LIGHT_VOLUME_CELLS_LEAST 16
+#define VELUM_LIGHT_VOLUME_CELLS_MOST 128 /* on a side */
+#define VELUM_LIGHT_VOLUME_ROWS_MOST 32
+#define VELUM_LIGHT_VOLUME_FLATNESS 0.4f /* height of a cell over its side, at least */
+/* Vectors of a cell. */
+#define VELUM_LIGHT_VOLUME_OLD 0 /* two, written in turn: mean luminance from all round of what has been scattered; */
+#define VELUM_LIGHT_VOLUME_NEW 1 /* extinction of the transport, 1/m */
+#define VELUM_LIGHT_VOLUME_SUN 2 /* mean luminance of the sun's light that is still on its way; unused */
+#define VELUM_LIGHT_VOLUME_FLUX 3 /* the former's net flux over 4 pi, east, north and up; unused */
+#define VELUM_LIGHT_VOLUME_VECTORS 4
+/* How often light goes on from cell to cell; from the second number on the mean of all since is taken. */
+#define VELUM_LIGHT_VOLUME_PASSES 64
+#define VELUM_LIGHT_VOLUME_SETTLED 32
+
+/* In front of the cells. */
+VELUM_STRUCT(velum_light_volume_block) {
+    VELUM_VEC4(east);  /* ECEF, unit; side of a cell m */
+    VELUM_VEC4(north); /* height of a cell m */
+    VELUM_VEC4(span);  /* lowest, highest HAE m; share of this pass in what is kept; 0 */
+    VELUM_UVEC4(grid); /* cells a side; rows; pass; slots that it holds */
+};
+
+#endif
