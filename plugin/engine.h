@@ -283,8 +283,9 @@ typedef struct view_history {
 typedef struct light_volume_key {
     velum_eye_block eye;
     double position[3];
-    uint64_t state[2], tables;
+    uint64_t state[2], tables, skies;
     float cell_m;
+    uint32_t reserved;
 } light_volume_key;
 
 typedef struct light_volume {

@@ -296,8 +296,8 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
         missing = "subgroup arithmetic in compute shaders";
     } else if (properties.properties.limits.maxPerStageDescriptorStorageImages < 10) {
         missing = "10 storage images a stage";
-    } else if (properties.properties.limits.maxPerStageDescriptorStorageBuffers < 6) {
-        missing = "6 storage buffers a stage";
+    } else if (properties.properties.limits.maxPerStageDescriptorStorageBuffers < 7) {
+        missing = "7 storage buffers a stage";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_UNORM, texture) ||
                !format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16_UNORM, texture)) {
         missing = "linear filtering of R16G16B16A16_UNORM and R16_UNORM";

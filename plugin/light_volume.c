@@ -102,11 +102,12 @@ static void fill_block(const view *v, const velum_plan *plan, velum_light_volume
             count++;
         }
     }
-    const float row_m = fmaxf((high - low) / VELUM_LIGHT_VOLUME_ROWS_MOST, VELUM_LIGHT_VOLUME_FLATNESS * cell_of(plan));
-    const uint32_t rows = (uint32_t)fminf(ceilf((high - low) / row_m), VELUM_LIGHT_VOLUME_ROWS_MOST);
-    const uint32_t grid[4] = {side_of(plan), rows > 0 ? rows : 1, 0, slots};
+    const float least_m =
+        fmaxf((high - low) / VELUM_LIGHT_VOLUME_ROWS_MOST, VELUM_LIGHT_VOLUME_FLATNESS * cell_of(plan));
+    const uint32_t rows = (uint32_t)fmaxf(ceilf((high - low) / least_m - 1e-3f), 1.0f);
+    const uint32_t grid[4] = {side_of(plan), rows, 0, slots};
     out->east[3] = cell_of(plan);
-    out->north[3] = row_m;
+    out->north[3] = fmaxf(high - low, 1.0f) / (float)rows;
     out->span[0] = low;
     out->span[1] = high;
     memcpy(out->grid, grid, sizeof grid);
@@ -121,6 +122,7 @@ static void fill_key(const view *v, const velum_plan *plan, light_volume_key *ou
         out->state[i] = y->e->weather.state[i] ? core_state_id(y->e->weather.state[i]) : 0;
     }
     out->tables = y->tiles.built;
+    out->skies = y->sky_count;
     out->cell_m = cell_of(plan);
 }
 
@@ -135,7 +137,7 @@ static void record_block(view *v, VkCommandBuffer commands, const velum_light_vo
     gpu_barrier(g, commands, compute | copy, both | VK_ACCESS_2_TRANSFER_WRITE_BIT, compute, both);
 }
 
-void light_volume_record(view *v, VkCommandBuffer commands, const velum_plan *plan) {
+void light_volume_record(view *v, VkCommandBuffer commands, const velum_plan *plan, pass fill) {
     engine *e = v->eye->e;
     light_volume_key key;
     fill_key(v, plan, &key);
@@ -147,13 +149,14 @@ void light_volume_record(view *v, VkCommandBuffer commands, const velum_plan *pl
     const uint32_t columns = block.grid[0], lines = block.grid[0] * block.grid[1];
     record_block(v, commands, &block);
     if (block.grid[3] != 0) {
-        record_dispatch(e, commands, blocks_mix(e) ? PASS_VOLUME_FILL + PASS_MIXED : PASS_VOLUME_FILL, columns, lines);
+        record_dispatch(e, commands, fill, columns, lines);
         record_block(v, commands, &block);
         record_dispatch(e, commands, PASS_VOLUME_SUN, columns, lines);
     }
     for (uint32_t i = 0; i < VELUM_LIGHT_VOLUME_PASSES && block.grid[3] != 0; i++) {
         block.grid[2] = i;
-        block.span[2] = i < VELUM_LIGHT_VOLUME_SETTLED ? 1.0f : 1.0f / (float)(i - VELUM_LIGHT_VOLUME_SETTLED + 1);
+        block.span[2] = i < VELUM_LIGHT_VOLUME_SETTLED ? VELUM_LIGHT_VOLUME_STRIDE
+                                                       : 1.0f / (float)(i - VELUM_LIGHT_VOLUME_SETTLED + 1);
         record_block(v, commands, &block);
         record_dispatch(e, commands, PASS_VOLUME_SPREAD, columns, lines);
     }

@@ -417,8 +417,11 @@ velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blo
 }
 
 velum_result pipelines_add_study(pipelines *p, gpu *g) {
-    pass which[PASS_VARIANTS];
+    pass which[PASS_VARIANTS + PASS_VOLUME_SPREAD - PASS_VOLUME_FILL + 1];
     uint32_t count = 0;
+    for (int i = PASS_VOLUME_FILL; i <= PASS_VOLUME_SPREAD; i++) {
+        which[count++] = (pass)i;
+    }
     for (uint32_t kind = 0; kind < PASS_VARIANTS; kind++) {
         if (!(kind & PASS_CLOSED)) {
             which[count++] = (pass)(PASS_MARCH_STUDY + kind);

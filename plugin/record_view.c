@@ -356,7 +356,7 @@ typedef struct view_passes {
     pass near;    /* PASS_COUNT: the view does not move */
     pass resolve; /* without ground */
     pass list;    /* of rays; PASS_COUNT: each block has one */
-    bool volume;  /* of light */
+    pass fill;    /* of a volume of light; PASS_COUNT: there is none */
 } view_passes;
 
 static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
@@ -374,7 +374,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
                              .near = near,
                              .resolve = resolve,
                              .list = PASS_COUNT,
-                             .volume = light_volume_wanted(&y->plan)};
+                             .fill = light_volume_wanted(&y->plan) ? (pass)(PASS_VOLUME_FILL + (kind & PASS_MIXED))
+                                                                   : PASS_COUNT};
     }
     /* Rain mostly falls from closed sheets: with fringes there are no others. */
     const int closed = closes || kind & PASS_FRINGED ? PASS_CLOSED : 0;
@@ -386,7 +387,8 @@ static view_passes passes_of(const eye *y, const history_turn *history, bool lay
                          .resolve = resolve,
                          .list = history->calm_turns != 0 ? PASS_DUE
                                  : history->has_finer     ? PASS_FINER
-                                                          : PASS_COUNT};
+                                                          : PASS_COUNT,
+                         .fill = PASS_COUNT};
 }
 
 static bool make_passes(engine *e, const view_passes *passes, const velum_view_frame *f) {
@@ -402,10 +404,10 @@ static bool make_passes(engine *e, const view_passes *passes, const velum_view_f
     if (passes->list != PASS_COUNT) {
         needed[count++] = passes->list;
     }
-    if (passes->volume) {
-        for (int which = PASS_VOLUME_FILL; which <= PASS_VOLUME_SPREAD; which++) {
-            needed[count++] = (pass)which;
-        }
+    if (passes->fill != PASS_COUNT) {
+        needed[count++] = passes->fill;
+        needed[count++] = PASS_VOLUME_SUN;
+        needed[count++] = PASS_VOLUME_SPREAD;
     }
     if (f->flags & VELUM_VIEW_GROUND) {
         needed[count++] = (pass)(passes->resolve + PASS_GROUND);
@@ -539,8 +541,8 @@ static void record_passes(view *v, VkCommandBuffer commands, const velum_view_bl
     gpu_barrier(g, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, compute,
                 read | write);
     frame_timestamp(e, commands, query);
-    if (passes->volume) {
-        light_volume_record(v, commands, plan);
+    if (passes->fill != PASS_COUNT) {
+        light_volume_record(v, commands, plan, passes->fill);
     }
     record_march(v, commands, block, passes);
     gpu_barrier(g, commands, compute, write, compute | VK_PIPELINE_STAGE_2_COPY_BIT,

@@ -9,8 +9,7 @@ layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 /* Samples of a cell, at different heights. */
 const int samples = 6;
-/* No detail finer than cells. */
-const float far_m = 0.0;
+const float near_m = 0.0; /* all detail */
 
 void main() {
     ivec3 cell;
@@ -38,12 +37,12 @@ void main() {
             hit.part = hit.slot;
             cloud_fields(hit, true);
             hit.profile = velum_profile_of(hit.slot, hit.fields);
-            cloud_look(hit, true, far_m, false);
+            cloud_look(hit, true, near_m, false);
             sum_1_m += hit.extinction_1_m;
         }
     }
     vec4 first = vec4(0.0, 0.0, 0.0, (1.0 - study_g_water) * sum_1_m / float(samples));
-    volume_cells[VELUM_LIGHT_VOLUME_OLD * volume_count() + index] = first;
-    volume_cells[VELUM_LIGHT_VOLUME_NEW * volume_count() + index] = first;
+    volume_cells[VELUM_LIGHT_VOLUME_EVEN * volume_count() + index] = first;
+    volume_cells[VELUM_LIGHT_VOLUME_ODD * volume_count() + index] = first;
     volume_cells[VELUM_LIGHT_VOLUME_FLUX * volume_count() + index] = vec4(0.0);
 }

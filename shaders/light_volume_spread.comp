@@ -60,6 +60,6 @@ void main() {
     }
     vec4 old = volume_cells[newest + index];
     vec3 old_flux = volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index].xyz;
-    volume_cells[(1 - volume_newest()) * count + index] = vec4(mix(old.rgb, light, volume.span.z), old.w);
+    volume_cells[(1 - volume_newest()) * count + index] = vec4(max(mix(old.rgb, light, volume.span.z), 0.0), old.w);
     volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index] = vec4(mix(old_flux, flux, volume.span.z), 0.0);
 }

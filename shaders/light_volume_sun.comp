@@ -28,7 +28,7 @@ void main() {
         vec3 place = vec3(cell) + vec3(east, north, up) + to_sun * (step_m * 0.5);
         float depth = 0.0;
         for (int k = 0; k < steps && place.z >= 0.0 && place.z < above; ++k) {
-            depth += volume_cells[VELUM_LIGHT_VOLUME_OLD * volume_count() + volume_index(ivec3(floor(place)))].w * step_m;
+            depth += volume_cells[VELUM_LIGHT_VOLUME_EVEN * volume_count() + volume_index(ivec3(floor(place)))].w * step_m;
             place += to_sun * step_m;
         }
         mean += exp(-depth) / float(rays);

@@ -317,10 +317,34 @@ static void light_goes_from_cell_to_cell(void **state) {
     plan.volume_cell_m = 400.0f;
     draw_plan(&r, &plan, 4);
     assert_memory_equal(r.light, medium, sizeof medium);
+    /* Another sun: what the view has is made anew. */
+    for (int i = 0; i < 3; i++) {
+        r.frame.sun_direction_ecef[i] = 0.4 * r.up[i] + sqrt(1.0 - 0.16) * r.north[i];
+    }
+    draw_plan(&r, &plan, 4);
+    memcpy(medium, r.light, sizeof medium);
+    velum_view *fresh = fixture_view(&r.f, r.eye, W, H);
+    draw(&r, r.eye, fresh, 4);
+    assert_memory_equal(r.light, medium, sizeof medium);
+    assert_int_equal(r.f.engine_api->destroy_view(fresh), VELUM_OK);
+
+    clouds(&r);
     plan.scattering = VELUM_SCATTERING_CLOSURE;
     plan.volume_cell_m = 0.0f;
     draw_plan(&r, &plan, 4);
-    expect_near(mean(r.light), fine, 0.15, "our own light");
+    expect_near(mean(r.light), fine, 0.04, "our own light");
+
+    /* What it does not hold has our own light to the bit. */
+    layer = fixture_cumulus();
+    layer.genus = VELUM_GENUS_CI;
+    layer.base_m = 8000.0f;
+    layer.top_m = 9000.0f;
+    fixture_commit(&r.f, &layer, 1);
+    draw_plan(&r, &plan, 4);
+    memcpy(medium, r.light, sizeof medium);
+    plan.scattering = VELUM_SCATTERING_VOLUME;
+    draw_plan(&r, &plan, 4);
+    assert_memory_equal(r.light, medium, sizeof medium);
     rig_finish(&r);
 }
 
