@@ -7,7 +7,9 @@ layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 const int rays = 4;
 const int steps = 256;
-/* Of a cell. */
+/* As far as a low sun's way through cloud is followed. */
+const float low_sun_m = 2.0e5;
+/* Of a cell, where so many steps then come out of the cloud. */
 const float step_share = 0.5;
 
 void main() {
@@ -19,6 +21,8 @@ void main() {
     vec3 to_sun = volume_east_north_up(eye.sun.xyz) / vec3(volume.east.ww, volume.north.w);
     float step_m = step_share / max(max(abs(to_sun.x), abs(to_sun.y)), abs(to_sun.z));
     float above = (volume.span.y - volume.span.x) / volume.north.w;
+    float rows = to_sun.z > 0.0 ? above - float(cell.z) : float(cell.z) + 1.0;
+    step_m = max(step_m, min(rows / max(abs(to_sun.z), 1.0e-9), low_sun_m) / float(steps));
     volume_chance chance = volume_chance(uint(index), 0u);
     float mean = 0.0;
     for (int i = 0; i < rays; ++i) {
