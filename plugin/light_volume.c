@@ -58,24 +58,6 @@ void light_volume_finish(gpu *g, view *v) {
     gpu_buffer_finish(g, &v->light_volume.buffer);
 }
 
-/* East and north, or at a pole any two across `up`. */
-static void axes_across(const double up[3], double east[3], double north[3]) {
-    const double axis[3] = {0.0, 0.0, 1.0}, other[3] = {1.0, 0.0, 0.0};
-    const double *pole = fabs(up[2]) < 0.9999 ? axis : other;
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        east[i] = pole[j] * up[k] - pole[k] * up[j];
-    }
-    const double length = sqrt(dot3(east, east));
-    for (int i = 0; i < 3; i++) {
-        east[i] /= length;
-    }
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        north[i] = up[j] * east[k] - up[k] * east[j];
-    }
-}
-
 /* Slots of cloud that is deep and uneven: of others our own light knows all there is to know. */
 static uint32_t slots_of(const eye *y) {
     const uint32_t held = 1u << VELUM_SLOT_LOW | 1u << VELUM_SLOT_LOW_2 | 1u << VELUM_SLOT_CUMULUS |
@@ -147,18 +129,19 @@ void light_volume_record(view *v, VkCommandBuffer commands, const velum_plan *pl
     velum_light_volume_block block;
     fill_block(v, plan, &block);
     const uint32_t columns = block.grid[0], lines = block.grid[0] * block.grid[1];
-    record_block(v, commands, &block);
     if (block.grid[3] != 0) {
+        record_block(v, commands, &block);
         record_dispatch(e, commands, fill, columns, lines);
-        record_block(v, commands, &block);
+        gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
         record_dispatch(e, commands, PASS_VOLUME_SUN, columns, lines);
-    }
-    for (uint32_t i = 0; i < VELUM_LIGHT_VOLUME_PASSES && block.grid[3] != 0; i++) {
-        block.grid[2] = i;
-        block.span[2] = i < VELUM_LIGHT_VOLUME_SETTLED ? VELUM_LIGHT_VOLUME_STRIDE
-                                                       : 1.0f / (float)(i - VELUM_LIGHT_VOLUME_SETTLED + 1);
-        record_block(v, commands, &block);
-        record_dispatch(e, commands, PASS_VOLUME_SPREAD, columns, lines);
+        for (uint32_t i = 0; i < VELUM_LIGHT_VOLUME_PASSES; i++) {
+            block.grid[2] = i;
+            block.span[2] = i < VELUM_LIGHT_VOLUME_SETTLED ? VELUM_LIGHT_VOLUME_STRIDE
+                                                           : 1.0f / (float)(i - VELUM_LIGHT_VOLUME_SETTLED + 1);
+            record_block(v, commands, &block);
+            record_dispatch(e, commands, PASS_VOLUME_SPREAD, columns, lines);
+        }
     }
     block.grid[2] = VELUM_LIGHT_VOLUME_PASSES;
     record_block(v, commands, &block);

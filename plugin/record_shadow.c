@@ -34,23 +34,6 @@ uint32_t shadow_segments(const gpu *g) {
     return gpu_is_software(g) ? 1 : SEGMENTS;
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void make_axes(const double sun[3], double u[3], double v[3]) {
-    const double pole[3] = {0.0, 0.0, 1.0};
-    const double meridian[3] = {1.0, 0.0, 0.0};
-    cross(fabs(sun[2]) < 0.9 ? pole : meridian, sun, u);
-    double length = sqrt(dot3(u, u));
-    for (int i = 0; i < 3; i++) {
-        u[i] /= length;
-    }
-    cross(sun, u, v);
-}
-
 static double chord(const double a[3], const double b[3]) {
     const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return sqrt(dot3(d, d));
@@ -73,8 +56,8 @@ static double texel_m(const shadow *s, uint32_t level) {
 static double corner_as_turned(const struct shadow_key *before, const struct shadow_key *now, const double about[3],
                                uint32_t level, int axis) {
     double from[2][3], to[2][3];
-    make_axes(before->sun, from[0], from[1]);
-    make_axes(now->sun, to[0], to[1]);
+    axes_across(before->sun, from[0], from[1]);
+    axes_across(now->sun, to[0], to[1]);
     return before->corner[level][axis] + dot3(about, to[axis]) - dot3(about, from[axis]);
 }
 
@@ -90,7 +73,7 @@ static void turn_grid(const shadow *s, const double centre[3], struct shadow_key
 /* Where the levels lie for the key's sun and grid, and what the host is told. */
 static void place(const shadow *s, const double centre[3], struct shadow_key *key, velum_shadow_geometry *geometry) {
     double axes[3][3]; /* u, v, sun */
-    make_axes(key->sun, axes[0], axes[1]);
+    axes_across(key->sun, axes[0], axes[1]);
     memcpy(axes[2], key->sun, sizeof axes[2]);
     double across_m = s->extent_m / s->texels * (double)(s->texels / SNAP_SHARE);
     double at[3];
@@ -157,7 +140,7 @@ static velum_shadow_level_block level_block(const shadow *s, const velum_shadow_
                                             const struct shadow_key *key, const rectangle *r) {
     velum_shadow_level_block b = {.window = {r->x, r->y, r->width, r->height}};
     double u[3], v[3];
-    make_axes(key->sun, u, v);
+    axes_across(key->sun, u, v);
     double from_u_m = key->corner[r->level][0] - dot3(key->origin, u);
     double from_v_m = key->corner[r->level][1] - dot3(key->origin, v);
     for (int i = 0; i < 3; i++) {
@@ -231,8 +214,8 @@ static velum_result draw(shadow *s, VkCommandBuffer commands, const velum_shadow
 static bool follows(const struct shadow_key *before, const struct shadow_key *now) {
     double step_s = now->time_s - before->time_s;
     double axes[2][2][3];
-    make_axes(before->sun, axes[0][0], axes[0][1]);
-    make_axes(now->sun, axes[1][0], axes[1][1]);
+    axes_across(before->sun, axes[0][0], axes[0][1]);
+    axes_across(now->sun, axes[1][0], axes[1][1]);
     return chord(before->sun, now->sun) <= SUN_TURN_RAD && chord(axes[0][0], axes[1][0]) <= SUN_TURN_RAD &&
            memcmp(before->state, now->state, sizeof now->state) == 0 && step_s >= 0.0 && step_s <= BAND_LAG_S;
 }

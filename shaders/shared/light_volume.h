@@ -23,7 +23,7 @@
 
 /* In front of the cells. */
 VELUM_STRUCT(velum_light_volume_block) {
-    VELUM_VEC4(east);  /* ECEF, unit; side of a cell m */
+    VELUM_VEC4(east);  /* level, ECEF, unit: east and north, but near a pole any two; side of a cell m */
     VELUM_VEC4(north); /* height of a cell m */
     VELUM_VEC4(span);  /* lowest, highest HAE m; share of this pass in what is kept; 0 */
     VELUM_UVEC4(grid); /* cells a side; rows; pass; slots that it holds */
