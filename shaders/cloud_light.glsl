@@ -10,7 +10,7 @@
 #include "study.glsl"
 #include "weather.glsl"
 #ifdef VELUM_STUDY
-#include "light_volume.glsl"
+#include "light_volume_source.glsl"
 #endif
 
 /* Whether some cloud in sight may be a closed sheet or a uniform layer. The plain pipeline does not pay for their tables.
@@ -593,61 +593,6 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
     return source / float(points);
 }
 
-#ifdef VELUM_STUDY
-/* Cells from a side of the volume over which our own light takes its place. */
-const float study_volume_rim = 4.0;
-
-/* Of the cells around a place, by how much cloud they have: the eye sees the light of that, not of the air beside it. */
-struct study_cells {
-    vec3 light, sun, flux;
-    float transport_1_m;
-};
-study_cells study_cells_at(vec3 place) {
-    ivec3 first = ivec3(floor(place - 0.5));
-    vec3 share = place - 0.5 - vec3(first);
-    int count = volume_count();
-    study_cells sum = study_cells(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
-    float whole = 0.0;
-    for (int i = 0; i < 8; ++i) {
-        ivec3 corner = ivec3(i & 1, i >> 1 & 1, i >> 2);
-        int at = volume_index(first + corner);
-        vec3 weights = mix(1.0 - share, share, vec3(corner));
-        vec4 light = volume_cells[volume_newest() * count + at];
-        float weight = weights.x * weights.y * weights.z * (light.w + 1.0e-6);
-        sum.light += weight * light.rgb;
-        sum.sun += weight * volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb;
-        sum.flux += weight * volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + at].xyz;
-        sum.transport_1_m += weight * light.w;
-        whole += weight;
-    }
-    return study_cells(sum.light / whole, sum.sun / whole, sum.flux / whole, sum.transport_1_m / whole);
-}
-
-/* `source`: our own light there, which holds beside the volume and where it has no cloud of the slot. */
-vec3 study_volume_source(vec3 source, cloud_hit hit, ray_phases phases, vec3 sun, float depth) {
-    vec3 place = volume_place(hit.r, hit.height_m);
-    vec2 aside = min(place.xy, float(volume.grid.x) - place.xy) / study_volume_rim;
-    float share = clamp(min(aside.x, aside.y), 0.0, 1.0);
-    bool is_held = (volume.grid.w & (1u << uint(hit.slot))) != 0u && !is_fringe(hit);
-    if (!is_held || share <= 0.0) {
-        return source;
-    }
-    study_cells cells = study_cells_at(place);
-    float first = exp(-depth);
-    float ahead = exp(-(1.0 - study_g_water) * depth);
-    float wide = velum_phase_hg(phases.cos_sun, study_g_water);
-    vec3 forward = sun * (phases.water * first + wide * (ahead - first));
-    /* What a cell scatters once more within itself, where more or less of the sun's light comes to the place than to it. */
-    float again = 1.0 - exp(-cells.transport_1_m * volume.east.w);
-    vec3 within = (sun * (VELUM_INV_4PI * ahead) - cells.sun) * again;
-    /* What goes on forward still goes the way of the flux (Eddington's approximation). */
-    float mean = max(dot(cells.light, VELUM_LUMINANCE_OF), 1.0e-6);
-    float onward = 3.0 * study_g_water * dot(cells.flux, volume_east_north_up(-phases.direction)) / mean;
-    vec3 light = cells.light * max(1.0 + onward, 0.0) + within;
-    return mix(source, forward + max(light, vec3(0.0)), share);
-}
-#endif
-
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
  * sample it comes from, if that is known better. */
 vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
@@ -662,8 +607,9 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inou
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun * left.open, field, mu_sun, way);
 #ifdef VELUM_STUDY
-    if (study_volume()) {
-        source = study_volume_source(source, hit, phases, sun * left.open, way.depth);
+    if (study_volume() && volume_holds(hit.slot) && !is_fringe(hit)) {
+        volume_beam beam = volume_beam(sun * left.open, phases.cos_sun, phases.water, way.depth);
+        source = volume_source(source, hit.r, hit.height_m, phases.direction, beam);
     }
 #endif
     if (velum_closes && closed > 0.0) {

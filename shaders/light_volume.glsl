@@ -1,6 +1,7 @@
 /* Light that cloud around the eye scatters more than once, in cells. Between cells it is scattered alike to all sides, by an
  * extinction that counts what goes on forward as not scattered (similarity: van de Hulst 1980, section 14.1); the sun's
- * beam that has not been so scattered is kept apart. Sideways the grid repeats itself. */
+ * beam that has not been so scattered is kept apart. Of a cell the cloud fills a box, evenly: spread over all of it, cloud
+ * would let through what it throws back. Sideways the grid repeats itself. */
 #ifndef VELUM_LIGHT_VOLUME_GLSL
 #define VELUM_LIGHT_VOLUME_GLSL
 
@@ -61,6 +62,70 @@ struct volume_chance {
 };
 float volume_draw(inout volume_chance chance) {
     return velum_hash_unit(velum_hash_2(chance.cell, chance.next++));
+}
+
+/* Where a cell's cloud is, in shares of its sides. */
+struct volume_box {
+    vec3 low, high;
+};
+const float box_marks = 63.0; /* three counts of them are a whole number that a float holds */
+float volume_pack(vec3 shares) {
+    return dot(round(shares * box_marks), vec3(1.0, 64.0, 4096.0));
+}
+vec3 volume_unpack(float packed_shares) {
+    vec3 over = floor(packed_shares / vec3(1.0, 64.0, 4096.0));
+    return (over - vec3(64.0 * over.yz, 0.0)) / box_marks;
+}
+volume_box volume_box_at(int at) {
+    return volume_box(volume_unpack(volume_cells[VELUM_LIGHT_VOLUME_SUN * volume_count() + at].w),
+                      volume_unpack(volume_cells[VELUM_LIGHT_VOLUME_FLUX * volume_count() + at].w));
+}
+vec3 volume_start(ivec3 cell, volume_box box, inout volume_chance chance) {
+    float east = volume_draw(chance);
+    float north = volume_draw(chance);
+    float up = volume_draw(chance);
+    return vec3(cell) + mix(box.low, box.high, vec3(east, north, up));
+}
+
+/* A ray's way, cell by cell. */
+struct volume_walk {
+    vec3 place, cells_1_m, leaves_m; /* where it started; cells a metre; where it leaves the column, line and row */
+    ivec3 cell;
+    float from_m, to_m; /* in this cell */
+};
+volume_walk volume_walk_from(ivec3 cell, vec3 place, vec3 cells_1_m) {
+    volume_walk walk;
+    walk.place = place;
+    walk.cells_1_m = mix(cells_1_m, vec3(1.0e-9), lessThan(abs(cells_1_m), vec3(1.0e-9)));
+    walk.cell = cell;
+    walk.leaves_m = (vec3(cell) + step(0.0, walk.cells_1_m) - place) / walk.cells_1_m;
+    walk.from_m = 0.0;
+    walk.to_m = min(min(walk.leaves_m.x, walk.leaves_m.y), walk.leaves_m.z);
+    return walk;
+}
+bool volume_walk_ends(volume_walk walk) {
+    return walk.cell.z < 0 || walk.cell.z >= int(volume.grid.y);
+}
+volume_walk volume_walk_on(volume_walk walk) {
+    bvec3 leaves = lessThanEqual(walk.leaves_m, vec3(walk.to_m));
+    leaves.yz = bvec2(leaves.y && !leaves.x, leaves.z && !leaves.x && !leaves.y);
+    walk.cell += ivec3(leaves) * ivec3(sign(walk.cells_1_m));
+    walk.leaves_m += vec3(leaves) / abs(walk.cells_1_m);
+    walk.from_m = walk.to_m;
+    walk.to_m = min(min(walk.leaves_m.x, walk.leaves_m.y), walk.leaves_m.z);
+    return walk;
+}
+/* Of the cell's cloud what the ray crosses, as optical depth of the transport. */
+float volume_crossed(volume_walk walk, int at, float transport_1_m) {
+    volume_box box = volume_box_at(at);
+    vec3 sides = box.high - box.low;
+    vec3 low_m = (vec3(walk.cell) + box.low - walk.place) / walk.cells_1_m;
+    vec3 high_m = (vec3(walk.cell) + box.high - walk.place) / walk.cells_1_m;
+    vec3 near_m = min(low_m, high_m);
+    vec3 far_m = max(low_m, high_m);
+    float from_m = max(max(max(near_m.x, near_m.y), near_m.z), walk.from_m);
+    float to_m = min(min(min(far_m.x, far_m.y), far_m.z), walk.to_m);
+    return transport_1_m * max(to_m - from_m, 0.0) / max(sides.x * sides.y * sides.z, 1.0e-4);
 }
 
 #endif

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-/* Of each cell of a volume of light, how dense its cloud is for light that is on its way to all sides. */
+/* Of each cell of a volume of light, how dense its cloud is for light that is on its way to all sides, and where. */
 #include "air_light.glsl"
 #include "weather.glsl"
 #include "cloud_light.glsl"
 #include "light_volume.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
-/* Samples of a cell, at different heights. */
-const int samples = 6;
+const ivec3 samples = ivec3(4, 4, 2); /* of a cell */
+const float thinnest = 0.2;           /* side of a box, at least but at the cell's rim */
 const float near_m = 0.0; /* all detail */
 
 void main() {
@@ -18,13 +18,15 @@ void main() {
         return;
     }
     volume_chance chance = volume_chance(uint(index), 0u);
+    int count = samples.x * samples.y * samples.z;
     float sum_1_m = 0.0;
-    for (int i = 0; i < samples; ++i) {
-        float east = volume_draw(chance);
-        float north = volume_draw(chance);
-        float up = (float(i) + volume_draw(chance)) / float(samples);
+    vec3 sum_at = vec3(0.0);
+    vec3 sum_at_2 = vec3(0.0);
+    for (int i = 0; i < count; ++i) {
+        ivec3 part = ivec3(i % samples.x, i / samples.x % samples.y, i / (samples.x * samples.y));
+        vec3 at = volume_start(part, volume_box(vec3(0.0), vec3(1.0)), chance) / vec3(samples);
         cloud_hit hit;
-        hit.r = volume_point(vec3(cell) + vec3(east, north, up));
+        hit.r = volume_point(vec3(cell) + at);
         velum_place here = place_of(hit.r);
         hit.normal = vec3(here.nx, here.ny, here.nz);
         hit.at_h_m = here.height_m;
@@ -39,10 +41,19 @@ void main() {
             hit.profile = velum_profile_of(hit.slot, hit.fields);
             cloud_look(hit, true, near_m, false);
             sum_1_m += hit.extinction_1_m;
+            sum_at += hit.extinction_1_m * at;
+            sum_at_2 += hit.extinction_1_m * at * at;
         }
     }
-    vec4 first = vec4(0.0, 0.0, 0.0, (1.0 - study_g_water) * sum_1_m / float(samples));
+    /* The box that has the same mean place and spread. */
+    vec3 middle = sum_at / max(sum_1_m, 1.0e-12);
+    vec3 spread = sqrt(3.0 * max(sum_at_2 / max(sum_1_m, 1.0e-12) - middle * middle, vec3(0.0)));
+    spread = max(spread, vec3(0.5 * thinnest));
+    vec3 low = clamp(middle - spread, 0.0, 1.0);
+    vec3 high = clamp(middle + spread, 0.0, 1.0);
+    vec4 first = vec4(0.0, 0.0, 0.0, (1.0 - study_g_water) * sum_1_m / float(count));
     volume_cells[VELUM_LIGHT_VOLUME_EVEN * volume_count() + index] = first;
     volume_cells[VELUM_LIGHT_VOLUME_ODD * volume_count() + index] = first;
-    volume_cells[VELUM_LIGHT_VOLUME_FLUX * volume_count() + index] = vec4(0.0);
+    volume_cells[VELUM_LIGHT_VOLUME_SUN * volume_count() + index] = vec4(0.0, 0.0, 0.0, volume_pack(low));
+    volume_cells[VELUM_LIGHT_VOLUME_FLUX * volume_count() + index] = vec4(0.0, 0.0, 0.0, volume_pack(high));
 }

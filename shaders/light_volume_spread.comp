@@ -6,9 +6,31 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 const int rays = 8;
-const int steps = 64;
+const int steps = 128;
 const float dark = 0.005; /* transmittance at which a ray ends */
 const float golden_turn = 2.39996323; /* rad */
+
+/* Luminance of a half world at a cosine from the vertical, where its mean is known and that of an even one with its flux: as
+ * a power of the cosine, which the two tell. */
+vec3 half_world_at(vec3 mean, vec3 even, float c) {
+    vec3 ratio = clamp(even / max(mean, vec3(1.0e-9)), 0.2, 1.6);
+    vec3 power = (2.0 * ratio - 2.0) / (2.0 - ratio);
+    return mean * (power + 1.0) * pow(vec3(max(c, 1.0e-3)), power);
+}
+
+/* What the air at a height sends along a way, and takes of it, a metre. */
+struct volume_air {
+    vec3 light_1_m;
+    float dims_1_m;
+};
+volume_air volume_air_along(vec3 direction, float height_m) {
+    vec3 d = volume.east.xyz * direction.x + volume.north.xyz * direction.y + eye.up.xyz * direction.z;
+    float haze = haze_extinction_1_m(height_m);
+    float fog = fog_extinction_1_m(height_m);
+    vec3 source = air_source(height_m, haze, fog, dot(eye.up.xyz, eye.sun.xyz), dot(d, eye.sun.xyz), direction.z, true);
+    vec3 dims = air_extinction_1_m(height_m) + vec3(fog + (1.0 - haze_ahead) * haze);
+    return volume_air(eye.sun_lx.rgb * source, dot(dims, VELUM_LUMINANCE_OF));
+}
 
 void main() {
     ivec3 cell;
@@ -18,9 +40,17 @@ void main() {
     }
     int count = volume_count();
     int newest = volume_newest() * count;
-    float top = (volume.span.y - volume.span.x) / volume.north.w;
+    vec4 old = volume_cells[newest + index];
+    vec4 old_flux = volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index];
+    if (old.w <= 0.0) {
+        return;
+    }
+    volume_box box = volume_box_at(index);
+    float height_m = volume.span.x + (float(cell.z) + 0.5) * volume.north.w;
     vec3 above = ambient_over(volume.span.y, false);
+    vec3 above_even = ambient_over(volume.span.y, true);
     vec3 below = ambient_under(volume.span.x, false);
+    vec3 below_even = ambient_under(volume.span.x, true);
     volume_chance chance = volume_chance(uint(index), volume.grid.z * 4096u);
     float turn = 2.0 * PI * volume_draw(chance);
     float rise = volume_draw(chance);
@@ -31,35 +61,28 @@ void main() {
         float aside = sqrt(max(1.0 - up * up, 0.0));
         float angle = turn + float(i) * golden_turn;
         vec3 direction = vec3(aside * cos(angle), aside * sin(angle), up);
-        vec3 rate = direction / vec3(volume.east.ww, volume.north.w);
-        float step_m = 1.0 / max(max(abs(rate.x), abs(rate.y)), abs(rate.z));
-        float from_east = volume_draw(chance);
-        float from_north = volume_draw(chance);
-        float from_low = volume_draw(chance);
-        vec3 place = vec3(cell) + vec3(from_east, from_north, from_low);
-        float dt = step_m * volume_draw(chance);
+        vec3 cells_1_m = direction / vec3(volume.east.ww, volume.north.w);
+        volume_air air = volume_air_along(direction, height_m);
+        volume_walk walk = volume_walk_from(cell, volume_start(cell, box, chance), cells_1_m);
         float through = 1.0;
         vec3 ray_light = vec3(0.0);
-        for (int k = 0; k < steps && through > dark; ++k) {
-            vec3 middle = place + rate * (0.5 * dt);
-            if (middle.z < 0.0 || middle.z >= top) {
-                break;
-            }
-            int at = volume_index(ivec3(floor(middle)));
+        for (int k = 0; k < steps && through > dark && !volume_walk_ends(walk); ++k) {
+            int at = volume_index(walk.cell);
             vec4 there = volume_cells[newest + at];
-            float step_t = exp(-there.w * dt);
-            vec3 source = there.rgb + volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb;
-            ray_light += (through * (1.0 - step_t)) * source;
+            float way_m = walk.to_m - walk.from_m;
+            float cloud = volume_crossed(walk, at, there.w);
+            float all = cloud + air.dims_1_m * way_m;
+            float step_t = exp(-all);
+            vec3 source = cloud * (there.rgb + volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb) + air.light_1_m * way_m;
+            ray_light += (through * (1.0 - step_t) / max(all, 1.0e-9)) * source;
             through *= step_t;
-            place += rate * dt;
-            dt = step_m;
+            walk = volume_walk_on(walk);
         }
-        ray_light += through * (up > 0.0 ? above : below);
+        vec3 beyond = up > 0.0 ? half_world_at(above, above_even, up) : half_world_at(below, below_even, -up);
+        ray_light += through * beyond;
         light += ray_light / float(rays);
         flux -= direction * (dot(ray_light, VELUM_LUMINANCE_OF) / float(rays));
     }
-    vec4 old = volume_cells[newest + index];
-    vec3 old_flux = volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index].xyz;
     volume_cells[(1 - volume_newest()) * count + index] = vec4(max(mix(old.rgb, light, volume.span.z), 0.0), old.w);
-    volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index] = vec4(mix(old_flux, flux, volume.span.z), 0.0);
+    volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index] = vec4(mix(old_flux.xyz, flux, volume.span.z), old_flux.w);
 }

@@ -8,12 +8,12 @@
 #define VELUM_LIGHT_VOLUME_CELLS_LEAST 16
 #define VELUM_LIGHT_VOLUME_CELLS_MOST 128 /* on a side */
 #define VELUM_LIGHT_VOLUME_ROWS_MOST 32
-#define VELUM_LIGHT_VOLUME_FLATNESS 0.4f /* height of a cell over its side, at least */
+#define VELUM_LIGHT_VOLUME_FLATNESS 0.2f /* height of a cell over its side, at least */
 /* Vectors of a cell. */
 #define VELUM_LIGHT_VOLUME_EVEN 0 /* two, written in turn, after even and odd passes: mean luminance from */
 #define VELUM_LIGHT_VOLUME_ODD 1  /* all round of light that has been scattered; w: extinction of the transport, 1/m */
-#define VELUM_LIGHT_VOLUME_SUN 2  /* mean luminance of the sun's light that is still on its way; w unused */
-#define VELUM_LIGHT_VOLUME_FLUX 3 /* net flux of the former over 4 pi: east, north, up; w unused */
+#define VELUM_LIGHT_VOLUME_SUN 2  /* mean luminance of the sun's light that is still on its way; w: low corner of its cloud's box */
+#define VELUM_LIGHT_VOLUME_FLUX 3 /* net flux of the former over 4 pi: east, north, up; w: high corner */
 #define VELUM_LIGHT_VOLUME_VECTORS 4
 /* How often light goes on from cell to cell. In the last passes the mean of what each has found is kept; in those before,
  * more than each has found, as what is missing is much the same from pass to pass (over-relaxation: Young 1954). */

@@ -101,7 +101,9 @@ static void run_methods(program *p, const scene_row *scene, const stage_camera *
             }
         }
         for (uint32_t i = 0; i < row->count; i++) {
-            compare_one(p, scene->name, camera, row, row->values[i], row->quality, r, limit ? &fine : NULL, found);
+            if (p->value == 0.0 || p->value == row->values[i]) {
+                compare_one(p, scene->name, camera, row, row->values[i], row->quality, r, limit ? &fine : NULL, found);
+            }
         }
     }
     picture_finish(&fine);

@@ -18,6 +18,7 @@ struct program {
     int32_t presets[8]; /* none: all */
     uint32_t preset_count;
     const char *method; /* null: presets alone; "all", a group, a curve's name */
+    double value;       /* of a method's values this alone; 0: all */
     bool json;
     const char *folder; /* of chart and tables */
     bool at_hand;       /* scenes without a reference are skipped */
