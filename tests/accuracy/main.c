@@ -31,6 +31,7 @@ static int usage(int status) {
         "is\n"
         "                  looked for in tests/data/references\n"
         "  --method M      a group or a curve of `list`, or all; without it `run` measures presets\n"
+        "  --value V       of a method's values this alone\n"
         "  --device auto|cpu|INDEX   --plugin PATH (VELUM_PLUGIN)   --shared DIR (VELUM_SHARED)\n"
         "Error: see tests/accuracy/metric.h. Exit status 0 only if everything asked for was done; 77: what is missing "
         "was skipped.\n");
@@ -119,6 +120,9 @@ static bool parse_option(program *p, const char *name, const char *value, bool c
         }
         p->method = value;
         return known;
+    }
+    if (strcmp(name, "--value") == 0) {
+        return parse_number(value, 1e-9, 1e9, &p->value);
     }
     if (strcmp(name, "--error") == 0) {
         return parse_number(value, 1e-6, 1.0, &p->reference.error);

@@ -185,7 +185,7 @@ const method_row method_rows[] = {
     /* One octave is single scattering. */
     {"orders", "octaves", "octaves", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_octaves, VALUES(1, 2, 4, 8)},
     {"orders", "volume of light, once made", "m a cell", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_volume,
-     VALUES(400, 200, 100, 50)},
+     VALUES(400, 200, 100)},
     {"orders", "Velum", "", VELUM_QUALITY_HIGH, 8, MOTION_STILL, set_closure, VALUES(0)},
     {"integrators", "energy-conserving", "m in cloud", VELUM_QUALITY_HIGH, 4, MOTION_STILL, set_energy, STEPS_M},
     {"integrators", "before-step", "m in cloud", VELUM_QUALITY_HIGH, 4, MOTION_STILL, set_before, STEPS_M},
