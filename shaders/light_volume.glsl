@@ -70,11 +70,11 @@ struct volume_box {
 };
 const float box_marks = 63.0; /* three counts of them are a whole number that a float holds */
 float volume_pack(vec3 shares) {
-    return dot(round(shares * box_marks), vec3(1.0, 64.0, 4096.0));
+    uvec3 marks = uvec3(round(shares * box_marks));
+    return float(marks.x | marks.y << 6 | marks.z << 12);
 }
 vec3 volume_unpack(float packed_shares) {
-    vec3 over = floor(packed_shares / vec3(1.0, 64.0, 4096.0));
-    return (over - vec3(64.0 * over.yz, 0.0)) / box_marks;
+    return vec3(uvec3(packed_shares) >> uvec3(0u, 6u, 12u) & 63u) / box_marks;
 }
 volume_box volume_box_at(int at) {
     return volume_box(volume_unpack(volume_cells[VELUM_LIGHT_VOLUME_SUN * volume_count() + at].w),
@@ -125,7 +125,7 @@ float volume_crossed(volume_walk walk, int at, float transport_1_m) {
     vec3 far_m = max(low_m, high_m);
     float from_m = max(max(max(near_m.x, near_m.y), near_m.z), walk.from_m);
     float to_m = min(min(min(far_m.x, far_m.y), far_m.z), walk.to_m);
-    return transport_1_m * max(to_m - from_m, 0.0) / max(sides.x * sides.y * sides.z, 1.0e-4);
+    return transport_1_m * max(to_m - from_m, 0.0) / (sides.x * sides.y * sides.z);
 }
 
 #endif

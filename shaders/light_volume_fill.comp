@@ -7,9 +7,8 @@
 #include "light_volume.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
-const ivec3 samples = ivec3(4, 4, 2); /* of a cell */
-const float thinnest = 0.2;           /* side of a box, at least but at the cell's rim */
-const float near_m = 0.0; /* all detail */
+const ivec3 samples = ivec3(4, 4, 3); /* of a cell, each for a part of it */
+const float near_m = 0.0;             /* all detail */
 
 void main() {
     ivec3 cell;
@@ -25,6 +24,7 @@ void main() {
     for (int i = 0; i < count; ++i) {
         ivec3 part = ivec3(i % samples.x, i / samples.x % samples.y, i / (samples.x * samples.y));
         vec3 at = volume_start(part, volume_box(vec3(0.0), vec3(1.0)), chance) / vec3(samples);
+        vec3 middle = (vec3(part) + 0.5) / vec3(samples);
         cloud_hit hit;
         hit.r = volume_point(vec3(cell) + at);
         velum_place here = place_of(hit.r);
@@ -41,14 +41,15 @@ void main() {
             hit.profile = velum_profile_of(hit.slot, hit.fields);
             cloud_look(hit, true, near_m, false);
             sum_1_m += hit.extinction_1_m;
-            sum_at += hit.extinction_1_m * at;
-            sum_at_2 += hit.extinction_1_m * at * at;
+            sum_at += hit.extinction_1_m * middle;
+            sum_at_2 += hit.extinction_1_m * middle * middle;
         }
     }
-    /* The box that has the same mean place and spread. */
-    vec3 middle = sum_at / max(sum_1_m, 1.0e-12);
-    vec3 spread = sqrt(3.0 * max(sum_at_2 / max(sum_1_m, 1.0e-12) - middle * middle, vec3(0.0)));
-    spread = max(spread, vec3(0.5 * thinnest));
+    /* The box that has the same mean place and spread, where each part is filled evenly. */
+    const vec3 part_spread_2 = 1.0 / (12.0 * vec3(samples * samples));
+    float whole_1_m = max(sum_1_m, 1.0e-12);
+    vec3 middle = sum_at / whole_1_m;
+    vec3 spread = sqrt(3.0 * (max(sum_at_2 / whole_1_m - middle * middle, vec3(0.0)) + part_spread_2));
     vec3 low = clamp(middle - spread, 0.0, 1.0);
     vec3 high = clamp(middle + spread, 0.0, 1.0);
     vec4 first = vec4(0.0, 0.0, 0.0, (1.0 - study_g_water) * sum_1_m / float(count));

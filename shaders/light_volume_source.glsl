@@ -47,9 +47,9 @@ struct volume_beam {
 };
 
 /* What droplets send on of the beam, however often it has been scattered on its way, less an even share for what has turned
- * and is the volume's: so the mean is that of what still goes on by the transport, the mean cosine is the same, and all
- * higher moments fall as they do along a straight way (Wang & Guth 1951). Orders of the wide lobe, each with as many of
- * the narrow one as there are on the mean. */
+ * and is the volume's: so the mean is that of what still goes on by the transport, and the higher moments fall as they do
+ * along a straight way (Wang & Guth 1951). Orders of the wide lobe, each wider by those of the narrow one. Backwards it may
+ * be less than nothing, by no more than the volume has too much. */
 float volume_beam_sent(volume_beam beam) {
     const int orders = 24;
     const float wide = VELUM_DROPLET_20_WEIGHT;
@@ -58,11 +58,11 @@ float volume_beam_sent(volume_beam beam) {
     float clear = exp(-beam.depth);
     float chance = exp(-wide * beam.depth); /* of so many wide orders */
     float narrow_orders = (1.0 - wide) * beam.depth;
-    narrow_orders /= max(1.0 - exp(-narrow_orders), 1.0e-6);
-    float narrow = velum_phase_hg(beam.cos_sun, pow(VELUM_DROPLET_20_G_HG, 1.0 + narrow_orders));
+    float any_orders = narrow_orders / max(1.0 - exp(-narrow_orders), 1.0e-6);
+    float narrow = velum_phase_hg(beam.cos_sun, pow(VELUM_DROPLET_20_G_HG, 1.0 + any_orders));
     float sent = beam.first * clear + (chance - clear) * mix(narrow, once, wide);
     float rest = 1.0 - chance;
-    float g = wide_g;
+    float g = wide_g * pow(VELUM_DROPLET_20_G_HG, narrow_orders);
     for (int order = 1; order < orders; ++order) {
         chance *= wide * beam.depth / float(order);
         rest -= chance;

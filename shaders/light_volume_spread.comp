@@ -3,6 +3,7 @@
 /* Each cell of a volume of light gathers what the others send: one order of scattering more. */
 #include "air_light.glsl"
 #include "light_volume.glsl"
+#include "shared/slab.h"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 const int rays = 8;
@@ -10,12 +11,16 @@ const int steps = 128;
 const float dark = 0.005; /* transmittance at which a ray ends */
 const float golden_turn = 2.39996323; /* rad */
 
-/* Luminance of a half world at a cosine from the vertical, where its mean is known and that of an even one with its flux: as
- * a power of the cosine, which the two tell. */
-vec3 half_world_at(vec3 mean, vec3 even, float c) {
+/* Luminance of a half world on the mean over a part of the cosines from the vertical, where its mean is known and that of an
+ * even one with its flux: as a power of the cosine, which the two tell. */
+const int half_parts = rays / 2;
+vec3 half_world_over(vec3 mean, vec3 even, float cosine) {
     vec3 ratio = clamp(even / max(mean, vec3(1.0e-9)), 0.2, 1.6);
     vec3 power = (2.0 * ratio - 2.0) / (2.0 - ratio);
-    return mean * (power + 1.0) * pow(vec3(max(c, 1.0e-3)), power);
+    float part = min(floor(cosine * float(half_parts)), float(half_parts - 1));
+    vec3 low = pow(vec3(part / float(half_parts)), power + 1.0);
+    vec3 high = pow(vec3((part + 1.0) / float(half_parts)), power + 1.0);
+    return mean * (high - low) * float(half_parts);
 }
 
 /* What the air at a height sends along a way, and takes of it, a metre. */
@@ -29,7 +34,8 @@ volume_air volume_air_along(vec3 direction, float height_m) {
     float fog = fog_extinction_1_m(height_m);
     vec3 source = air_source(height_m, haze, fog, dot(eye.up.xyz, eye.sun.xyz), dot(d, eye.sun.xyz), direction.z, true);
     vec3 dims = air_extinction_1_m(height_m) + vec3(fog + (1.0 - haze_ahead) * haze);
-    return volume_air(eye.sun_lx.rgb * source, dot(dims, VELUM_LUMINANCE_OF));
+    bool any = eye.ground.w != 0.0;
+    return volume_air(any ? eye.sun_lx.rgb * source : vec3(0.0), any ? dot(dims, VELUM_LUMINANCE_OF) : 0.0);
 }
 
 void main() {
@@ -72,13 +78,12 @@ void main() {
             float way_m = walk.to_m - walk.from_m;
             float cloud = volume_crossed(walk, at, there.w);
             float all = cloud + air.dims_1_m * way_m;
-            float step_t = exp(-all);
             vec3 source = cloud * (there.rgb + volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb) + air.light_1_m * way_m;
-            ray_light += (through * (1.0 - step_t) / max(all, 1.0e-9)) * source;
-            through *= step_t;
+            ray_light += through * velum_mean_transmittance(all) * source;
+            through *= exp(-all);
             walk = volume_walk_on(walk);
         }
-        vec3 beyond = up > 0.0 ? half_world_at(above, above_even, up) : half_world_at(below, below_even, -up);
+        vec3 beyond = up > 0.0 ? half_world_over(above, above_even, up) : half_world_over(below, below_even, -up);
         ray_light += through * beyond;
         light += ray_light / float(rays);
         flux -= direction * (dot(ray_light, VELUM_LUMINANCE_OF) / float(rays));

@@ -6,7 +6,8 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 
 const int rays = 4;
-const int steps = 1024;
+const int steps = 4096;
+const float dark = 20.0; /* optical depth at which a ray ends */
 
 void main() {
     ivec3 cell;
@@ -15,7 +16,6 @@ void main() {
         return;
     }
     int count = volume_count();
-    vec4 own = volume_cells[VELUM_LIGHT_VOLUME_SUN * count + index];
     volume_box box = volume_box_at(index);
     bool cloud = volume_cells[VELUM_LIGHT_VOLUME_EVEN * count + index].w > 0.0;
     vec3 to_sun = volume_east_north_up(eye.sun.xyz) / vec3(volume.east.ww, volume.north.w);
@@ -24,7 +24,7 @@ void main() {
     for (int i = 0; i < (cloud ? rays : 0); ++i) {
         volume_walk walk = volume_walk_from(cell, volume_start(cell, box, chance), to_sun);
         float depth = 0.0;
-        for (int k = 0; k < steps && !volume_walk_ends(walk); ++k) {
+        for (int k = 0; k < steps && depth < dark && !volume_walk_ends(walk); ++k) {
             int at = volume_index(walk.cell);
             depth += volume_crossed(walk, at, volume_cells[VELUM_LIGHT_VOLUME_EVEN * count + at].w);
             walk = volume_walk_on(walk);
@@ -33,5 +33,5 @@ void main() {
     }
     float height_m = volume.span.x + (float(cell.z) + 0.5) * volume.north.w;
     vec3 sun = eye.sun_lx.rgb * sun_through_air(height_m, dot(eye.up.xyz, eye.sun.xyz));
-    volume_cells[VELUM_LIGHT_VOLUME_SUN * count + index] = vec4(sun * (mean * VELUM_INV_4PI), own.w);
+    volume_cells[VELUM_LIGHT_VOLUME_SUN * count + index].xyz = sun * (mean * VELUM_INV_4PI);
 }

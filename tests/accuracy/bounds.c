@@ -58,16 +58,18 @@ static const struct {
 } volume_bounds[] = {{"cumulus_side", 0.06, 0.012}, {"overcast_below", 0.14, 0.05}};
 
 static bool hold_volume(program *p, int at) {
-    const uint32_t before = p->result_count;
+    const uint32_t before = p->result_count, failed = p->failed, skipped = p->skipped;
+    bool wanted = false;
     p->method = volume_method;
     p->value = volume_cell_m;
     for (const scene_row *row = scene_rows; row->name; row++) {
         if (strcmp(row->name, volume_bounds[at].scene) == 0 && program_wants(p, row)) {
+            wanted = true;
             program_run_scene(p, row, false);
         }
     }
-    if (p->result_count == before) {
-        return true;
+    if (p->failed > failed || p->result_count == before) {
+        return p->failed == failed && (!wanted || p->skipped > skipped);
     }
     const measurement *m = &p->results[before];
     const bool holds = m->m_8.error <= volume_bounds[at].error && fabs(m->m.bias) <= volume_bounds[at].bias;

@@ -171,6 +171,23 @@ static const char *default_cache(char path[1024]) {
     return named ? named : slash ? path : "accuracy-cache";
 }
 
+/* Whether a row of the method has the value asked for. */
+static bool value_is_known(const program *p) {
+    bool known = p->value == 0.0;
+    for (const method_row *row = method_rows; p->method && row->group; row++) {
+        for (uint32_t i = 0; i < row->count && method_matches(row, p->method); i++) {
+            known = known || row->values[i] == p->value;
+        }
+    }
+    if (!known) {
+        fprintf(stderr,
+                "velum-accuracy: --value: found %g, expected one of the values that `velum-accuracy list` has "
+                "of --method\n",
+                p->value);
+    }
+    return known;
+}
+
 static int run_all(program *p) {
     bool presets = !p->method || p->preset_count > 0;
     if (p->preset_count == 0) {
@@ -233,6 +250,9 @@ int main(int argc, char **argv) {
         } else {
             return at + 1 < argc ? 2 : usage(2);
         }
+    }
+    if (!value_is_known(&p)) {
+        return 2;
     }
     if (command == LIST) {
         list();

@@ -210,14 +210,15 @@ enum {
     /* Octaves: each has half the scattering, extinction and asymmetry of the one before (Wrenninge et al. 2013;
      * a = b = c = 0.5). velum_plan.octaves of them; 1 is single scattering. */
     VELUM_SCATTERING_OCTAVES = 1,
-    /* The first order, and the beam that has gone on forward since, by its mean cosine; all else by light that goes
-     * from cell to cell of a volume around the eye, as high as its clouds: in cells it is scattered alike to all sides,
-     * by an extinction less what goes on forward (similarity; van de Hulst 1980), towards the eye it goes on as
-     * Eddington has it (1916: mean and flux). The volume is 16, 32, 64 or 128 cells a side, the first that make 12.8
-     * km, and repeats itself beside; over its last four cells the closure takes its place. Of low, middle and storm
-     * clouds but for scud, precipitation and closed sheets, which have the closure as all other cloud; the sun in the
-     * volume is not dimmed by those. It is made anew in every frame in which the eye, the sun, the time or the weather
-     * is another, in 64 passes: for pictures that stand. */
+    /* The sun's beam, however often it has gone on nearly straight, by the moments of its orders (Wang & Guth 1951);
+     * all else by light that goes from cell to cell of a volume around the eye, as high as its clouds: in cells it is
+     * scattered alike to all sides, by an extinction less what goes on forward (similarity; van de Hulst 1980), towards
+     * the eye it goes on as Eddington has it (1916: mean and flux). Of a cell the cloud fills a box, by its mean place
+     * and spread; air between clouds shines; sky and ground go by the cosine. The volume is 16, 32, 64 or 128 cells a
+     * side, the first that make 12.8 km, and repeats itself beside; over its last four cells the closure takes its
+     * place. Of low, middle and storm clouds but for scud, precipitation and closed sheets, which have the closure as
+     * all other cloud; the sun in the volume is not dimmed by those. It is made anew in every frame in which the eye,
+     * the sun, the time or the weather is another, in 64 passes: for pictures that stand. */
     VELUM_SCATTERING_VOLUME = 2
 };
 
@@ -278,8 +279,8 @@ typedef struct velum_plan {
      * it is where a budget_ms is kept, which would be missed as soon as the eye moves. */
     uint32_t every_pixel;
 
-    /* For eyes with VELUM_EYE_STUDY: side of a cell of VELUM_SCATTERING_VOLUME, m: 50..2000; 0: 100. Its height is two
-     * fifths of that at least, and a thirty-second of what the volume must hold. */
+    /* For eyes with VELUM_EYE_STUDY: side of a cell of VELUM_SCATTERING_VOLUME, m: 50..2000; 0: 100. Its height is a
+     * fifth of that at least, and a thirty-second of what the volume must hold. */
     float volume_cell_m;
 } velum_plan;
 
