@@ -12,7 +12,7 @@
 /* Vectors of a cell. */
 #define VELUM_LIGHT_VOLUME_EVEN 0 /* two, written in turn, after even and odd passes: mean luminance from */
 #define VELUM_LIGHT_VOLUME_ODD 1  /* all round of light that has been scattered; w: extinction of the transport, 1/m */
-#define VELUM_LIGHT_VOLUME_SUN 2  /* mean luminance of the sun's light that is still on its way; w: low corner of its cloud's box */
+#define VELUM_LIGHT_VOLUME_SUN 2  /* mean luminance of the sun's light still on its way; w: low corner of its cloud's box */
 #define VELUM_LIGHT_VOLUME_FLUX 3 /* net flux of the former over 4 pi: east, north, up; w: high corner */
 #define VELUM_LIGHT_VOLUME_VECTORS 4
 /* How often light goes on from cell to cell. In the last passes the mean of what each has found is kept; in those before,

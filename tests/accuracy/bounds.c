@@ -1,4 +1,4 @@
-/* The presets against what they are to hold over all scenes, and the volume of light in one, with the references that
+/* The presets against what they are to hold over all scenes, and the volume of light in some, with the references that
  * are at hand. */
 #include <math.h>
 #include <string.h>
