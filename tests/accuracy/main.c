@@ -12,11 +12,12 @@ static int usage(int status) {
     fprintf(
         status ? stderr : stdout,
         "velum-accuracy list\n"
-        "velum-accuracy run [--scene S]... [--preset P]... [--method M] [--json]\n"
+        "velum-accuracy run [--scene S]... [--preset P]... [--method M [--value V]] [--json]\n"
         "velum-accuracy chart DIR [--scene S]... [--method M]\n"
         "velum-accuracy reference [--scene S]... [--minutes N]   adds to what is in the cache, scene by scene, until\n"
         "                  all are good enough; can be stopped at any time\n"
-        "velum-accuracy bounds   presets low, medium and high against their bounds, with the references at hand\n"
+        "velum-accuracy bounds   presets low, medium and high and the volume of light against their bounds, by "
+        "references at hand\n"
         "velum-accuracy genera DIR   ten genera by three suns from three places, preset high beside the reference\n"
         "velum-accuracy flight DIR   a strip of pictures from a flight through broken cloud, preset medium\n"
         "velum-accuracy stability [--scene CASE]...\n"
