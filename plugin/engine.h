@@ -391,6 +391,10 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h);
 /* Where the list of places begins in view.lit. */
 VkDeviceSize view_images_list_at(const view *v);
 
+/* view_check.c: what a host gives of a view in a frame. Fills in what it may leave 0. */
+bool view_check_frame(checker *check, const view *v, velum_view_frame *f);
+bool view_check_images(checker *check, const velum_view_frame *f, const velum_vulkan_images *images);
+
 /* record_*.c */
 velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_frame *eyes, uint32_t count,
                            uint32_t stride);

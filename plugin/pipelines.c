@@ -174,7 +174,7 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 }
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
- * cloud_light.glsl; 5, 7 and 8 of resolve.comp, 8 of gather.comp too, 6 of moved.glsl; 9 of segments.glsl; 10 of
+ * cloud_hit.glsl; 5, 7 and 8 of resolve.comp, 8 of gather.comp too, 6 of moved.glsl; 9 of segments.glsl; 10 of
  * uneven.glsl. */
 typedef struct variant {
     VkBool32 more;

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* Of each cell of a volume of light, how dense its cloud is for light that is on its way to all sides, and where. */
-#include "air_light.glsl"
 #include "weather.glsl"
-#include "cloud_light.glsl"
+#include "cloud_hit.glsl"
 #include "light_volume.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 

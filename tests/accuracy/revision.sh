@@ -36,8 +36,9 @@ done
 
 # Comments and layout, and what makes the presets alone.
 printf '/* a comment with "quotes" */\n\n    // and one of a line\n' >> "$work/shaders/reference.comp"
-for source in shaders/march.comp shaders/resolve.comp shaders/shadow.comp shaders/air_light.glsl shaders/cloud_light.glsl \
-    shaders/scattering.glsl shaders/shared/shade.h plugin/shades.c plugin/record_view.c plugin/stats.c; do
+for source in shaders/march.comp shaders/resolve.comp shaders/shadow.comp shaders/air_light.glsl shaders/cloud_hit.glsl \
+    shaders/cloud_light.glsl shaders/scattering.glsl shaders/shared/shade.h plugin/shades.c plugin/record_view.c \
+    plugin/stats.c; do
     echo 'const int own = 1;' >> "$work/$source"
 done
 [ "$(revision "$@")" = "$before" ] || fail 'what shapes no reference counts'
