@@ -175,11 +175,11 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
  * cloud_hit.glsl; 5, 7 and 8 of resolve.comp, 8 of gather.comp too, 6 of moved.glsl; 9 of segments.glsl; 10 of
- * uneven.glsl. */
+ * uneven.glsl; 11 of resolve.comp. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven;
+    VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven, aside;
 } variant;
 
 /* The first of its variants. */
@@ -234,7 +234,7 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[11] = {{0, offsetof(variant, more), sizeof values->more},
+    const VkSpecializationMapEntry entries[12] = {{0, offsetof(variant, more), sizeof values->more},
                                                   {1, offsetof(variant, lanes), sizeof values->lanes},
                                                   {2, offsetof(variant, slots), sizeof values->slots},
                                                   {3, offsetof(variant, air), sizeof values->air},
@@ -244,8 +244,9 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
                                                   {7, offsetof(variant, moves), sizeof values->moves},
                                                   {8, offsetof(variant, keeps), sizeof values->keeps},
                                                   {9, offsetof(variant, segmented), sizeof values->segmented},
-                                                  {10, offsetof(variant, uneven), sizeof values->uneven}};
-    const VkSpecializationInfo constants = {11, entries, sizeof *values, values};
+                                                  {10, offsetof(variant, uneven), sizeof values->uneven},
+                                                  {11, offsetof(variant, aside), sizeof values->aside}};
+    const VkSpecializationInfo constants = {12, entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -271,13 +272,15 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
 static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
     const uint32_t kind = variant_of(which);
     const bool resolves = is_resolve(which);
+    const bool has_depth = resolves && kind & PASS_DEPTH;
     const variant values = {.more = !resolves && kind & PASS_MIXED,
                             .lanes = pipelines_reference_lanes(g),
                             .closes = !resolves && (kind & PASS_CLOSED || is_of(which, PASS_MARCH_STUDY)),
                             .ground = resolves && kind & PASS_GROUND,
-                            .depth = which == PASS_NEAR_DEPTH || (resolves && kind & PASS_DEPTH),
+                            .depth = which == PASS_NEAR_DEPTH || has_depth,
                             .moves = resolves && kind & PASS_MOVES,
-                            .keeps = which == PASS_GATHER_KEEPS || (resolves && kind & PASS_KEEPS),
+                            .keeps = which == PASS_GATHER_KEEPS || (resolves && !has_depth && kind & PASS_KEEPS),
+                            .aside = has_depth && kind & PASS_ASIDE,
                             .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1,
                             .uneven = is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_MARCH_STUDY) ||
                                       (is_of(which, PASS_SHADOW) && kind & PASS_UNEVEN)};
@@ -336,7 +339,8 @@ static bool is_left_out(pass which, bool arrays) {
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_LIGHT);
     return is_of(which, PASS_MARCH_STUDY) || (which >= PASS_VOLUME_FILL && which <= PASS_VOLUME_SPREAD) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
-           (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_DEPTH)));
+           (is_resolve(which) &&
+            ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_MOVES && !(kind & PASS_DEPTH))));
 }
 
 bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count) {

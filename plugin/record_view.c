@@ -134,7 +134,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
                      (f->flags & VELUM_VIEW_GROUND ? VELUM_VIEW_BLOCK_GROUND : 0u) |
                      (f->flags & VELUM_VIEW_SUN_DISC ? VELUM_VIEW_BLOCK_SUN_DISC : 0u) |
                      (history->has_finer ? VELUM_VIEW_BLOCK_FINER : 0u) |
-                     (now->has_depth ? VELUM_VIEW_BLOCK_DEPTH : 0u) | (now->is_aside ? VELUM_VIEW_BLOCK_ASIDE : 0u);
+                     (now->has_depth ? VELUM_VIEW_BLOCK_DEPTH : 0u);
     uint32_t x, row;
     place_of_turn(side, counter % turns, &x, &row);
     const uint32_t frame[4] = {row * side.w + x, flags, f->array_layer, (uint32_t)e->w->seed};
@@ -266,10 +266,15 @@ typedef struct view_passes {
     pass fill;    /* of a volume of light; PASS_COUNT: there is none */
 } view_passes;
 
-static view_passes passes_of(const eye *y, const history_turn *history, bool layered) {
-    const pass resolve =
-        (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (layered ? PASS_LAYERED : 0) +
-               (history->way == HISTORY_MOVES ? PASS_MOVES : 0) + (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
+/* So high the rows of an eye's sky lie too far apart to tell what the air before a surface takes: by 0.4 %, more
+ * beyond. */
+#define SKY_TELLS_M 60000.0f
+
+static view_passes passes_of(const eye *y, const camera *now, const history_turn *history, bool layered) {
+    const bool has_own_air = now->is_aside || (history->has_depth && y->block.up[3] > SKY_TELLS_M);
+    const pass resolve = (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (has_own_air ? PASS_ASIDE : 0) +
+                                (layered ? PASS_LAYERED : 0) + (history->way == HISTORY_MOVES ? PASS_MOVES : 0) +
+                                (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const pass near_of_depth = history->has_depth ? PASS_NEAR_DEPTH : PASS_NEAR;
     const pass near = history->way == HISTORY_MOVES ? near_of_depth : PASS_COUNT;
@@ -498,7 +503,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     velum_plan plan = y->plan;
     const history_turn history = history_take(v, (f.flags & VELUM_VIEW_CUT) != 0, &now, &plan);
     const block_size side = block_of(plan.ray_rate);
-    const view_passes passes = passes_of(y, &history, im.layers != 0);
+    const view_passes passes = passes_of(y, &now, &history, im.layers != 0);
     if (!make_passes(e, &passes, &f) ||
         !view_images_grow(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h) ||
         !light_volume_grow(v, &plan)) {

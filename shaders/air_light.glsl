@@ -131,12 +131,20 @@ float along_to(float h0, float mu0, float height_m, bool upward) {
     return inside >= 0.0 ? -b + (upward ? 1.0 : -1.0) * sqrt(inside) : -1.0;
 }
 
-/* Where a ray comes into the air: height and cosine there, and how far along; below 0: it passes by. */
-vec2 into_air(vec3 o, vec3 d, out float enter_m) {
+/* Height, and cosine of the zenith angle, where a ray begins; the same of one that begins near the eye, where level is as it
+ * is there. */
+vec2 start_of(vec3 o, vec3 d) {
     velum_place from = place_of(o);
-    vec2 near = vec2(from.height_m, dot(vec3(from.nx, from.ny, from.nz), d));
-    enter_m = near.x > VELUM_AIR_TOP_M ? along_to(near.x, near.y, VELUM_AIR_TOP_M, false) : 0.0;
-    return enter_m > 0.0 ? along_ray(near.x, near.y, enter_m) : near;
+    return vec2(from.height_m, dot(vec3(from.nx, from.ny, from.nz), d));
+}
+vec2 start_by_eye(vec3 o, vec3 d) {
+    return vec2(eye.up.w + dot(o, eye.up.xyz), dot(d, eye.up.xyz));
+}
+
+/* Where a ray that begins so comes into the air: height and cosine there, and how far along; below 0: it passes by. */
+vec2 into_air(vec2 start, out float enter_m) {
+    enter_m = start.x > VELUM_AIR_TOP_M ? along_to(start.x, start.y, VELUM_AIR_TOP_M, false) : 0.0;
+    return enter_m > 0.0 ? along_ray(start.x, start.y, enter_m) : start;
 }
 
 /* Of all the way from there: to the ground, so far along the ray, or (below 0) to space. */

@@ -52,6 +52,8 @@ const float filtered = 0.03;
 layout(constant_id = 5) const bool draws_ground = true;
 layout(constant_id = 7) const bool moves = true;
 layout(constant_id = 8) const bool keeps = false;
+/* The eye's sky does not tell of the air before the view: it is far from the eye, or made otherwise, or very high. */
+layout(constant_id = 11) const bool has_own_air = true;
 
 /* Where what a ray meets would have stood, had the eye turned and nothing moved. */
 vec2 turned_of(view_ray ray) {
@@ -224,6 +226,14 @@ vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     return mix(own, mean, waits(cloud.samples));
 }
 
+/* Whether what history holds goes on, where the host's surface is so far away now (`hit_m`; below 0: none): not cloud behind
+ * what is in sight here; nor what was in sight there and has hidden what is now, if a ray `tells` of that; nor both. */
+bool stands_before(history_place place, float end_m, float hit_m, bool tells) {
+    bool behind = place.held_m < nothing_m() && place.held_m > 1.02 * end_m;
+    bool hidden = place.ended.x && (hit_m < 0.0 || (!place.ended.y && tells));
+    return !behind && !hidden;
+}
+
 /* `hit_m`: the host's surface; below 0: none. `shown`: light and transmittance in the picture. */
 cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown) {
     ivec2 side = ray_block_size();
@@ -262,6 +272,16 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     history_place place;
     place.pixel = vec2(pixel) + 0.5;
     place.known = true;
+    cloud_pixel old;
+    if (!moves) {
+        bool ended;
+        old = standing_at(pixel, ended);
+        place.held_m = held_of(old.distance_m, 1.0 - old.light.a);
+        place.ended = bvec2(ended);
+        place.known = !has_depth || stands_before(place, end_m, hit_m, true);
+    }
+    /* Rays around it tell of a pixel that has none and no history. */
+    bool asks = moves || (!own && (first || (has_depth && (!place.known || old.samples < has_ray))));
 
     /* What this frame saw around the pixel. */
     vec4 low = moves ? vec4(1.0e9) : fresh.light;
@@ -271,7 +291,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float weights = 0.0;
     float nearby = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
-    for (int k = moves || (!own && (first || has_depth)) ? 0 : 4; k < 4; ++k) {
+    for (int k = asks ? 0 : 4; k < 4; ++k) {
         found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
         vec4 light = there.light;
         float distance_m = there.distance_m;
@@ -298,13 +318,13 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         far_m = counts ? max(far_m, distance_m) : far_m;
         fits = fits || fit;
     }
-    if (moves || (has_depth && !own)) {
+    if (moves || (has_depth && asks)) {
         fresh.light = mixed / weights;
         blend /= weights;
         nearby *= sees_alike(high.a - low.a) / weights;
     }
     fresh.distance_m = blend > 0.0 ? distance_in(blend, 1.0 - fresh.light.a) : fresh.distance_m;
-    if (has_depth && !own && !fits && fresh.distance_m > end_m) {
+    if (has_depth && asks && !own && !fits && fresh.distance_m > end_m) {
         /* Rays have passed beside what is in sight here, and found what lies behind it. */
         fresh.light = vec4(0.0, 0.0, 0.0, 1.0);
         fresh.distance_m = 0.0;
@@ -324,18 +344,8 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         calm = !has_depth && one && travels() < stays && moved_pixels(place, pixel) < believed() &&
                (own || place.samples >= has_ray);
     }
-    cloud_pixel old;
-    if (!moves) {
-        bool ended;
-        old = standing_at(pixel, ended);
-        place.held_m = held_of(old.distance_m, 1.0 - old.light.a);
-        place.ended = bvec2(ended);
-    }
-    if (has_depth) {
-        /* Cloud behind what is in sight here; what was in sight there and has hidden what is now; or both. */
-        bool behind = place.held_m < nothing_m() && place.held_m > 1.02 * end_m;
-        bool hidden = place.ended.x && (hit_m < 0.0 || (!place.ended.y && (own || fits)));
-        place.known = place.known && !behind && !hidden;
+    if (moves && has_depth) {
+        place.known = place.known && stands_before(place, end_m, hit_m, own || fits);
     }
     if (!place.known) {
         return fresh;
@@ -461,11 +471,12 @@ void main() {
         sky_light sky = sky_light_at(ray.direction, to_ground);
         vec3 air = sky.transmittance;
         vec3 share = vec3(1.0);
-        if (has_depth && (host || view_flag(VELUM_VIEW_BLOCK_ASIDE))) {
+        if (has_depth && (host || has_own_air)) {
             /* Of the light of all the way, the share before what is hit. */
             float enter_m;
-            vec2 near = into_air(ray.origin, ray.direction, enter_m);
-            vec3 whole = air_along(near, enter_m, ground);
+            vec2 start = has_own_air ? start_of(ray.origin, ray.direction) : start_by_eye(ray.origin, ray.direction);
+            vec2 near = into_air(start, enter_m);
+            vec3 whole = has_own_air ? air_along(near, enter_m, ground) : air;
             float before_m = hit - enter_m;
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
             air = air_between(near.x, near.y, there.x, there.y, before_m);

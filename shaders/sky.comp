@@ -127,7 +127,7 @@ void main() {
         float distance_m = air_distance(vec3(0.0), d, to_ground, start);
         if (texel.x >= VELUM_SKY_W) {
             float enter_m;
-            vec2 near = into_air(vec3(0.0), d, enter_m);
+            vec2 near = into_air(start_of(vec3(0.0), d), enter_m);
             const float black = 1e-6;
             result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
         } else {

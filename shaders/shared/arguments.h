@@ -67,8 +67,7 @@ VELUM_STRUCT(velum_eye_block) {
 #define VELUM_VIEW_BLOCK_DEPTH 16u /* a depth image is bound */
 #define VELUM_VIEW_BLOCK_SETTLE                                                                                        \
     32u /* what history holds is shown until a pixel has a ray of its own, and then forgotten */
-#define VELUM_VIEW_BLOCK_ASIDE 64u /* rays begin far from the eye, whose sky tells nothing of the air before them */
-#define VELUM_VIEW_BLOCK_FINER 128u /* some blocks have four rays: finer.comp */
+#define VELUM_VIEW_BLOCK_FINER 64u /* some blocks have four rays: finer.comp */
 
 /* A view in a frame. Offsets are from the eye of this frame, m. */
 VELUM_STRUCT(velum_view_block) {
