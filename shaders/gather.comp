@@ -4,6 +4,7 @@
 #include "air_light.glsl"
 #include "due.glsl"
 #include "history.glsl"
+#include "near.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT, rgba16f) uniform writeonly image2D light_out;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE, r32f) uniform writeonly image2D distance_out;
@@ -60,7 +61,8 @@ void main() {
     vec4 whole = vec4(min(light / VELUM_LUMINANCE_UNIT, vec3(most_half)), found.a);
     if (more) {
         lit[first - 1u] = pack_halves(whole);
-        lit[first].x = floatBitsToUint(distance_m);
+        float end_m = end_of(host_distance(finer_pixel(of.block, of.which), ray));
+        lit[first].x = pack_ways(distance_m, end_m);
         return;
     }
     /* Later frames look between rays of earlier ones too. */

@@ -43,6 +43,15 @@ vec4 unpack_halves(uvec2 x) {
     return vec4(unpackHalf2x16(x.x), unpackHalf2x16(x.y));
 }
 
+/* How far a ray has met cloud (0: it has not), and where it ends (near.glsl), m: one word, for pixels read many. */
+const float way_unit_m = 256.0;
+uint pack_ways(float distance_m, float end_m) {
+    return packHalf2x16(min(vec2(distance_m, end_m) / way_unit_m, vec2(most_half)));
+}
+vec2 unpack_ways(uint ways) {
+    return way_unit_m * unpackHalf2x16(ways);
+}
+
 /* An invocation's place in a list, in a dispatch over that; rows of such a dispatch. */
 uint listed_index() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -55,7 +64,7 @@ uint listed_rows(uint count) {
 
 /* Head of a ray more of a finer block, the `which`th of three (1..3): as the march leaves it distance m, transmittance,
  * share of the picture and number of its places, in the order of pack_place; as gather.comp leaves it light and
- * transmittance, and then distance. Its places follow. `finer`: the block's number among its like. `rays`: one for each
+ * transmittance, then pack_ways. Its places follow. `finer`: the block's number among its like. `rays`: one for each
  * block. */
 uint finer_head(uint rays, uint finer, uint which) {
     return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);

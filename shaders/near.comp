@@ -63,7 +63,7 @@ void main() {
     }
     uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
     lit[head] = pack_halves(light);
-    lit[head + 1u].x = floatBitsToUint(light.a < 1.0 ? product / (1.0 - light.a) : 0.0);
+    lit[head + 1u].x = pack_ways(light.a < 1.0 ? product / (1.0 - light.a) : 0.0, end_m);
     if (history_lags()) {
         lit[head + 2u] = pack_halves(lag_of(ray, own, own_m, end_m));
     }

@@ -114,27 +114,28 @@ vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bo
 struct found_ray {
     vec4 light;
     float distance_m;
-    ivec2 pixel; /* whose it is */
+    float end_m; /* see end_of */
 };
 
-/* Of a block, or of a quarter of one: where that has none the block's own. */
-found_ray ray_found(ivec2 place, bool of_quarter) {
+/* Of a block, or of a quarter of one: where that has none the block's own. `ray`: a pixel's beside it. */
+found_ray ray_found(ivec2 place, bool of_quarter, view_ray ray) {
     ivec2 block = of_quarter ? place / 2 : place;
     uint which = of_quarter ? finer_which(place & 1) : 0u;
     uint number = which != 0u ? finer_number(block) : 0u;
     which = number != 0u ? which : 0u;
     if (!moves) {
-        return found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r, ray_pixel(block));
+        float end_m = has_depth ? end_of(host_distance(ray_pixel(block), ray)) : 0.0;
+        return found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r, end_m);
     }
     uint own = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
     uint head = which != 0u ? finer_head(block_count(), number - 1u, which) : own;
-    return found_ray(unpack_halves(lit[head]), uintBitsToFloat(lit[head + 1u].x), finer_pixel(block, which));
+    vec2 ways_m = unpack_ways(lit[head + 1u].x);
+    return found_ray(unpack_halves(lit[head]), ways_m.x, ways_m.y);
 }
 
-/* Whether what a ray has found is as good for a pixel whose own way (`ray`) ends so far away. */
-bool found_fits(found_ray found, view_ray ray, float end_m) {
-    return !has_depth || hides(found.light, found.distance_m, end_m) ||
-           alike(end_of(host_distance(found.pixel, ray)), end_m);
+/* Whether what a ray has found is as good for a pixel whose own way ends so far away. */
+bool found_fits(found_ray found, float end_m) {
+    return !has_depth || hides(found.light, found.distance_m, end_m) || alike(found.end_m, end_m);
 }
 
 /* The bounds of what rays around a place between blocks have seen, about what there is between the four next to it
@@ -148,9 +149,9 @@ void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ra
     low = high = light;
     for (int k = 0; k < 9; ++k) {
         ivec2 to = nearest + ivec2(k % 3 - 1, k / 3 - 1);
-        found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter);
+        found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter, ray);
         vec2 tells = clamp(told * (1.0 - abs(at - vec2(to)) / 1.5), 0.0, 1.0);
-        vec4 beside = mix(light, there.light, found_fits(there, ray, end_m) ? tells.x * tells.y : 0.0);
+        vec4 beside = mix(light, there.light, found_fits(there, end_m) ? tells.x * tells.y : 0.0);
         low = min(low, beside);
         high = max(high, beside);
     }
@@ -170,9 +171,9 @@ vec4 caught_up(ivec2 pixel, vec4 light, float held_m, view_ray ray, float end_m)
     for (int k = 0; k < 4; ++k) {
         ivec2 aside = ivec2(k & 1, k >> 1);
         ivec2 block = min(ivec2(at) + aside, last);
-        found_ray there = ray_found(block, false);
+        found_ray there = ray_found(block, false, ray);
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(aside));
-        bool fit = found_fits(there, ray, end_m) && alike(held_m, met_m(there.distance_m));
+        bool fit = found_fits(there, end_m) && alike(held_m, met_m(there.distance_m));
         uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
         float tells = fit ? share.x * share.y * sees_alike(abs(there.light.a - light.a)) : 0.0;
         lag += tells * unpack_halves(lit[head + 2u]);
@@ -292,12 +293,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float nearby = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
     for (int k = asks ? 0 : 4; k < 4; ++k) {
-        found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
+        found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer, ray);
         vec4 light = there.light;
         float distance_m = there.distance_m;
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
         float weight = share.x * share.y;
-        bool fit = found_fits(there, ray, end_m);
+        bool fit = found_fits(there, end_m);
         if (has_depth) {
             weight = own ? weight : max(weight, 1e-2) * (fit ? 1.0 : 1e-8);
         }
