@@ -267,7 +267,7 @@ typedef struct view_passes {
 } view_passes;
 
 /* So high the rows of an eye's sky lie too far apart to tell what the air before a surface takes: by 0.4 %, more
- * beyond. */
+ * beyond. Views with the host's depth then reckon it for every pixel. */
 #define SKY_TELLS_M 60000.0f
 
 static view_passes passes_of(const eye *y, const camera *now, const history_turn *history, bool layered) {

@@ -43,10 +43,12 @@ vec4 unpack_halves(uvec2 x) {
     return vec4(unpackHalf2x16(x.x), unpackHalf2x16(x.y));
 }
 
-/* How far a ray has met cloud (0: it has not), and where it ends (near.glsl), m: one word, for pixels read many. */
-const float way_unit_m = 256.0;
+/* How far a ray has met cloud (0: it has not), and where it ends (near.glsl), m: one word, for pixels read many. From a
+ * hand's breadth, for which halves have all their digits, to farther than any horizon. */
+const float way_unit_m = 1024.0, way_least_m = 0.125;
 uint pack_ways(float distance_m, float end_m) {
-    return packHalf2x16(min(vec2(distance_m, end_m) / way_unit_m, vec2(most_half)));
+    float met_m = distance_m > 0.0 ? max(distance_m, way_least_m) : 0.0;
+    return packHalf2x16(min(vec2(met_m, end_m) / way_unit_m, vec2(most_half)));
 }
 vec2 unpack_ways(uint ways) {
     return way_unit_m * unpackHalf2x16(ways);

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 /* Where views move: rays of blocks as resolve.comp takes them. Those to cloud so near that it has no detail between them
  * are taken together with those beside them, for they differ by where they step, and such cloud passes before its pixels
- * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. And how far history
- * lags behind each. */
+ * have had rays from all places. A finer block's other rays stay as they are: near cloud has none. And where each
+ * ends, and how far history lags behind it. */
 #include "due.glsl"
 #include "moved.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;

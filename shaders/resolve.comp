@@ -117,14 +117,15 @@ struct found_ray {
     float end_m; /* see end_of */
 };
 
-/* Of a block, or of a quarter of one: where that has none the block's own. `ray`: a pixel's beside it. */
-found_ray ray_found(ivec2 place, bool of_quarter, view_ray ray) {
+/* Of a block, or of a quarter of one: where that has none the block's own. */
+found_ray ray_found(ivec2 place, bool of_quarter) {
     ivec2 block = of_quarter ? place / 2 : place;
     uint which = of_quarter ? finer_which(place & 1) : 0u;
     uint number = which != 0u ? finer_number(block) : 0u;
     which = number != 0u ? which : 0u;
     if (!moves) {
-        float end_m = has_depth ? end_of(host_distance(ray_pixel(block), ray)) : 0.0;
+        ivec2 pixel = ray_pixel(block);
+        float end_m = has_depth ? end_of(host_distance(pixel, ray_of_pixel(pixel))) : 0.0;
         return found_ray(texelFetch(march_light, block, 0), texelFetch(march_distance, block, 0).r, end_m);
     }
     uint own = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
@@ -142,14 +143,14 @@ bool found_fits(found_ray found, float end_m) {
  * (`light`): each ray tells the less the farther off it is, for bounds by the four alone change in steps, from block to
  * block. `held_m`: see history_place; `near_m`: what the nearest of the four has met. Where history holds what is nearer than
  * that, it has gone, and rays tell little beyond that mean. */
-void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, view_ray ray, float end_m, float held_m, float near_m,
-                   out vec4 low, out vec4 high) {
+void bound_by_rays(vec2 at, ivec2 last, bool of_quarter, vec4 light, float end_m, float held_m, float near_m, out vec4 low,
+                   out vec4 high) {
     float told = mix(told_little, told_much, smoothstep(same_from, same_to, held_m / near_m));
     ivec2 nearest = ivec2(floor(at + 0.5));
     low = high = light;
     for (int k = 0; k < 9; ++k) {
         ivec2 to = nearest + ivec2(k % 3 - 1, k / 3 - 1);
-        found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter, ray);
+        found_ray there = ray_found(clamp(to, ivec2(0), last), of_quarter);
         vec2 tells = clamp(told * (1.0 - abs(at - vec2(to)) / 1.5), 0.0, 1.0);
         vec4 beside = mix(light, there.light, found_fits(there, end_m) ? tells.x * tells.y : 0.0);
         low = min(low, beside);
@@ -162,8 +163,8 @@ const float caught_share = 0.25;
 
 /* History (`light`, of so much) nearer to what the rays of blocks around a pixel have found: each is asked of the place where
  * it has found it, so that detail between them stays. Where they see another thing than history holds here they tell nothing
- * of it; beside what is far brighter, no more than there is. `ray`, `end_m`: the pixel's own way. */
-vec4 caught_up(ivec2 pixel, vec4 light, float held_m, view_ray ray, float end_m) {
+ * of it; beside what is far brighter, no more than there is. `end_m`: where the pixel's own way ends. */
+vec4 caught_up(ivec2 pixel, vec4 light, float held_m, float end_m) {
     ivec2 side = ray_block_size();
     ivec2 last = ivec2(view.march_size.xy) - 1;
     vec2 at = clamp((vec2(pixel) - vec2(ray_turn(pixel.y / side.y))) / vec2(side), vec2(0.0), vec2(last));
@@ -171,7 +172,7 @@ vec4 caught_up(ivec2 pixel, vec4 light, float held_m, view_ray ray, float end_m)
     for (int k = 0; k < 4; ++k) {
         ivec2 aside = ivec2(k & 1, k >> 1);
         ivec2 block = min(ivec2(at) + aside, last);
-        found_ray there = ray_found(block, false, ray);
+        found_ray there = ray_found(block, false);
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(aside));
         bool fit = found_fits(there, end_m) && alike(held_m, met_m(there.distance_m));
         uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
@@ -293,7 +294,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     float nearby = 0.0;
     bool fits = false; /* a ray has ended as far away as the pixel does */
     for (int k = asks ? 0 : 4; k < 4; ++k) {
-        found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer, ray);
+        found_ray there = ray_found(clamp(ivec2(floor(at)) + ivec2(k & 1, k >> 1), ivec2(0), last), finer);
         vec4 light = there.light;
         float distance_m = there.distance_m;
         vec2 share = mix(1.0 - fract(at), fract(at), vec2(k & 1, k >> 1));
@@ -378,10 +379,10 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     if (moves) {
         float opacity = 1.0 - old.light.a;
         if (history_lags() && !own && count >= has_ray) {
-            old.light = caught_up(pixel, old.light, place.held_m, ray, end_m);
+            old.light = caught_up(pixel, old.light, place.held_m, end_m);
         }
         if (!calm && fits && any(greaterThan(high - low, even_share * vec4(high.rgb, 1.0)))) {
-            bound_by_rays(at, last, finer, fresh.light, ray, end_m, place.held_m, near_m, low, high);
+            bound_by_rays(at, last, finer, fresh.light, end_m, place.held_m, near_m, low, high);
         }
         /* Rays are blocks apart: what stands between them is held back where history has come from elsewhere, and some
          * where the eye goes through air that may hold cloud; not where it has but turned, for all turns alike. */

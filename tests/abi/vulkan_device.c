@@ -229,7 +229,8 @@ VkImageView vulkan_device_image(vulkan_device *device, VkFormat format, uint32_t
                               .arrayLayers = 1,
                               .samples = VK_SAMPLE_COUNT_1_BIT,
                               .tiling = VK_IMAGE_TILING_OPTIMAL,
-                              .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+                              .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                       VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     if (device->vkCreateImage(device->device, &info, NULL, &image->image) != VK_SUCCESS) {
         return VK_NULL_HANDLE;
     }
@@ -281,6 +282,20 @@ bool vulkan_device_images(vulkan_device *device, uint32_t width, uint32_t height
     out->transmittance = vulkan_device_image(device, out->format, width, height);
     out->distance = vulkan_device_image(device, VK_FORMAT_R32_SFLOAT, width, height);
     return out->luminance && out->transmittance && out->distance;
+}
+
+bool vulkan_device_depth(vulkan_device *device, float distance_m, velum_vulkan_images *images) {
+    images->depth = vulkan_device_image(device, VK_FORMAT_R32_SFLOAT, images->width, images->height);
+    images->depth_layout = VK_IMAGE_LAYOUT_GENERAL;
+    VkCommandBuffer commands = images->depth ? vulkan_device_begin(device, 0) : NULL;
+    if (!commands) {
+        return false;
+    }
+    const VkClearColorValue everywhere = {.float32 = {distance_m}};
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    device->vkCmdClearColorImage(commands, device->images[device->image_count - 1].image, VK_IMAGE_LAYOUT_GENERAL,
+                                 &everywhere, 1, &all);
+    return vulkan_device_submit(device, 0) && vulkan_device_wait(device, 0);
 }
 
 VkCommandBuffer vulkan_device_begin(vulkan_device *device, uint32_t slot) {

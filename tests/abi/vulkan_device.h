@@ -12,6 +12,7 @@ enum { VULKAN_DEVICE_SLOTS = 2, VULKAN_DEVICE_IMAGES = 64 };
     X(vkAllocateMemory)                                                                                                \
     X(vkBeginCommandBuffer)                                                                                            \
     X(vkBindImageMemory)                                                                                               \
+    X(vkCmdClearColorImage)                                                                                            \
     X(vkCmdPipelineBarrier)                                                                                            \
     X(vkCreateCommandPool)                                                                                             \
     X(vkCreateFence)                                                                                                   \
@@ -68,6 +69,9 @@ velum_vulkan_lend vulkan_device_lend(vulkan_device *device, test_host *host, vel
 VkImageView vulkan_device_image(vulkan_device *device, VkFormat format, uint32_t width, uint32_t height);
 /* Luminance, transmittance, distance of one size. */
 bool vulkan_device_images(vulkan_device *device, uint32_t width, uint32_t height, velum_vulkan_images *out);
+
+/* Depth for them, VELUM_DEPTH_DISTANCE: one surface, so far away. False: out of memory. */
+bool vulkan_device_depth(vulkan_device *device, float distance_m, velum_vulkan_images *images);
 
 /* Begins the slot's command buffer; submits it; waits for it. */
 VkCommandBuffer vulkan_device_begin(vulkan_device *device, uint32_t slot);

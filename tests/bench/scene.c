@@ -168,6 +168,9 @@ bool scene_eye_init(scene *s, scene_eye *eye, int32_t quality, uint32_t views, u
         if (result >= 0 && !vulkan_device_images(&s->b->device, width, height, &eye->images[i])) {
             result = VELUM_ERROR_OUT_OF_MEMORY;
         }
+        if (result >= 0 && s->depth_m > 0.0f && !vulkan_device_depth(&s->b->device, s->depth_m, &eye->images[i])) {
+            result = VELUM_ERROR_OUT_OF_MEMORY;
+        }
     }
     if (result < 0) {
         bench_fail(s->b, "create eye and views", result);
@@ -195,6 +198,7 @@ static velum_view_frame view_frame(const scene *s, const scene_eye *eye, uint32_
                               .tan_right = (float)tan_x,
                               .tan_bottom = (float)(-tan_x * eye->height / eye->width),
                               .tan_top = (float)(tan_x * eye->height / eye->width),
+                              .depth_convention = VELUM_DEPTH_DISTANCE,
                               .luminance_scale = 1e-3f};
     memcpy(frame.position_ecef_m, s->position_ecef_m, sizeof frame.position_ecef_m);
     memcpy(frame.up_ecef, s->up, sizeof frame.up_ecef);

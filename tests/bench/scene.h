@@ -19,7 +19,8 @@ typedef struct scene {
     double sun[3];
     float ground_albedo[3];
     double half_width_deg; /* of a view */
-    float budget_ms; /* of the next eye; 0: none */
+    float budget_ms;       /* of the next eye; 0: none */
+    float depth_m;         /* of the host's surface before the next eye's views; 0: the host gives no depth */
 } scene;
 
 typedef struct scene_eye {

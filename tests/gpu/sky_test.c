@@ -1,4 +1,5 @@
-/* An eye in motion keeps its sky until a change would show; at rest it has the exact one. */
+/* An eye in motion keeps its sky until a change would show; at rest it has the exact one. Before a surface of the
+ * host's it tells of the air as that is. */
 #include <math.h>
 #include <string.h>
 
@@ -127,7 +128,76 @@ static void a_kept_sky_is_the_sky(void **state) {
     }
 }
 
+/* Surfaces in stripes over the ground, and none in every fourth, before a level eye; the other eye stands beside the
+ * view, which then has air of its own before it. */
+static void draw_before_surfaces(rig *r, double height_m, double sun_deg) {
+    static const double ways[] = {0.02, 0.3, 1.2, 0.0}; /* of the height: the steepest ray meets the ground at 1.4 */
+    static float depth_m[PIXELS];
+    const double rad = acos(-1.0) / 180.0;
+    double east[3], north[3], up[3], sun[3], position[3];
+    fixture_axes(50.0, 8.5, east, north, up);
+    fixture_position(50.0, 8.5, height_m, position);
+    for (int i = 0; i < 3; i++) {
+        sun[i] = sin(sun_deg * rad) * up[i] + cos(sun_deg * rad) * (0.6 * east[i] + 0.8 * north[i]);
+    }
+    for (int i = 0; i < PIXELS; i++) {
+        depth_m[i] = (float)(ways[i % W / 4 % 4] * height_m);
+    }
+    const velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_EARTH);
+    velum_view_frame camera = fixture_camera(position, north, east, 1.2f, 0.9f);
+    camera.depth_convention = VELUM_DEPTH_DISTANCE;
+    velum_eye_frame eyes[2];
+    velum_pixels pixels[2];
+    for (int k = 0; k < 2; k++) {
+        eyes[k] = (velum_eye_frame){.struct_size = sizeof eyes[k], .flags = VELUM_EYE_RESET, .eye = r->eyes[k]};
+        for (int i = 0; i < 3; i++) {
+            eyes[k].position_ecef_m[i] = position[i] + (k == 1 ? 60.0 : 0.0) * east[i];
+        }
+        pixels[k] = (velum_pixels){.struct_size = sizeof pixels[k],
+                                   .view = r->views[k],
+                                   .frame = &camera,
+                                   .luminance_rgb = r->light[k],
+                                   .depth = depth_m,
+                                   .width = W,
+                                   .height = H};
+    }
+    if (r->f.standalone_api->render(r->f.engine, &frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
+        fail_msg("%s", r->f.newest);
+    }
+}
+
+/* The same, of its light and the mean together: air of a few metres has no digits. */
+static double apart_of_mean(const float *light, const float *exact) {
+    double most = 0.0, mean = 0.0;
+    for (int i = 0; i < PIXELS * 3; i++) {
+        assert_true(isfinite(light[i]) && isfinite(exact[i]));
+        mean += (double)exact[i] / (PIXELS * 3);
+    }
+    assert_true(mean > 0.0);
+    for (int i = 0; i < PIXELS * 3; i++) {
+        most = fmax(most, fabs((double)light[i] - (double)exact[i]) / ((double)exact[i] + mean));
+    }
+    return most;
+}
+
+static void the_eyes_sky_tells_of_air_before_surfaces(void **state) {
+    (void)state;
+    static rig r;
+    rig_init(&r);
+    const double heights_m[] = {30.0, 1000.0, 11000.0, 59000.0};
+    const double suns_deg[] = {50.0, 3.0};
+    for (int k = 0; k < 8; k++) {
+        draw_before_surfaces(&r, heights_m[k / 2], suns_deg[k % 2]);
+        const double off = apart_of_mean(r.light[0], r.light[1]);
+        print_message("air before surfaces, %.0f m high, sun at %.0f degrees: %.4f apart at most\n", heights_m[k / 2],
+                      suns_deg[k % 2], off);
+        assert_true(off < 0.015);
+    }
+    rig_finish(&r);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_kept_sky_is_the_sky)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_kept_sky_is_the_sky),
+                                       cmocka_unit_test(the_eyes_sky_tells_of_air_before_surfaces)};
     return cmocka_run_group_tests_name("gpu sky", tests, NULL, NULL);
 }
