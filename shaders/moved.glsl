@@ -38,7 +38,7 @@ bool history_lags() {
 struct history_place {
     vec2 pixel; /* of that frame, from its upper left corner */
     float samples;
-    bvec2 ended; /* any of the pixels there by the host's depth; all */
+    bvec2 ended; /* any of the pixels there by the host's depth; all that closed cloud does not hide */
     float distance_m; /* how far along the ray what is held there would be; 0: nothing is */
     float held_m; /* the same; nothing_m(): as good as nothing is */
     bool known; /* within that picture */
@@ -95,7 +95,10 @@ history_place history_at(past_place past, float distance_m) {
         vec4 weight = vec4(1.0 - f.x, f.x, f.x, 1.0 - f.x) * vec4(f.y, f.y, 1.0 - f.y, 1.0 - f.y);
         bvec4 ends = lessThan(around, vec4(0.0));
         bvec4 counts = greaterThan(weight, vec4(0.01));
-        p.ended = bvec2(any(bvec4(uvec4(ends) & uvec4(counts))), all(bvec4(uvec4(ends) | uvec4(not(counts)))));
+        /* Of what closed cloud hides nothing is known, and nothing needs to be. */
+        bvec4 closed = lessThan(textureGather(history_in, corner / view.room.zw, 3), vec4(shut));
+        bool all_end = all(bvec4(uvec4(ends) | uvec4(closed) | uvec4(not(counts))));
+        p.ended = bvec2(any(bvec4(uvec4(ends) & uvec4(counts))), all_end);
         p.samples = dot(abs(around), weight);
         if (p.ended.x && !p.ended.y) {
             /* A filter would mix what stands on either side of the edge. */

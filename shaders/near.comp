@@ -26,7 +26,8 @@ vec4 lag_of(view_ray ray, vec4 light, float distance_m, float end_m) {
     history_place place = history_of(ray, there_m, there_m, one);
     light_beside beside;
     vec4 lag = light - history_light(place.pixel, vec2(view.size.xy), beside);
-    bool tells = place.known && place.samples >= has_ray && !place.ended.x && alike(place.held_m, there_m);
+    bool ends_alike = !place.ended.x || (place.ended.y && end_m < nothing_m());
+    bool tells = place.known && place.samples >= has_ray && ends_alike && alike(place.held_m, there_m);
     return tells ? sees_alike(abs(lag.a)) * clamp(lag, -most_half, most_half) : vec4(0.0);
 }
 
