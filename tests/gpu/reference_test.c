@@ -170,7 +170,7 @@ enum { PATHS = 2 };
 static void pictures_repeat(void **state) {
     (void)state;
     static slab_rig rig;
-    static float first[SLAB_PIXELS * 3], left[SLAB_PIXELS * 3], staged[SLAB_PIXELS * 3], beside[SLAB_PIXELS * 3];
+    static float first[SLAB_PIXELS * 3], again[SLAB_PIXELS * 3], staged[SLAB_PIXELS * 3], beside[SLAB_PIXELS * 3];
     double east[3], north[3], up[3], position[3];
     slab_rig_init(&rig);
     commit_showers(&rig.f);
@@ -183,6 +183,8 @@ static void pictures_repeat(void **state) {
     velum_view_frame camera = fixture_camera(position, ahead, north, 0.3f, 0.3f);
     camera.flags = VELUM_VIEW_GROUND;
     render_until(&rig, &camera, position, true, PATHS, first);
+    render_until(&rig, &camera, position, true, PATHS, again);
+    assert_memory_equal(first, again, sizeof first);
     render_until(&rig, &camera, position, true, 1, staged);
     assert_memory_not_equal(first, staged, sizeof first);
     render_until(&rig, &camera, position, false, PATHS, staged);
@@ -191,8 +193,7 @@ static void pictures_repeat(void **state) {
     velum_view *other = fixture_view(&rig.f, rig.eye, SLAB_SIDE, SLAB_SIDE);
     velum_view_frame both[2] = {camera, camera};
     both[0].tan_left = 0.1f;
-    both[0].path_limit = 1;
-    both[1].path_limit = PATHS;
+    both[0].path_limit = both[1].path_limit = PATHS;
     velum_frame_info frame = fixture_frame(up, 0.0, VELUM_ATMOSPHERE_EARTH);
     velum_eye_frame eye = {.struct_size = sizeof eye, .eye = rig.eye, .flags = VELUM_EYE_RESET};
     memcpy(eye.position_ecef_m, position, sizeof position);
@@ -201,7 +202,7 @@ static void pictures_repeat(void **state) {
         pixels[i] = (velum_pixels){.struct_size = sizeof pixels[i],
                                    .view = i == 0 ? other : rig.view,
                                    .frame = &both[i],
-                                   .luminance_rgb = i == 0 ? left : beside,
+                                   .luminance_rgb = i == 0 ? again : beside,
                                    .width = SLAB_SIDE,
                                    .height = SLAB_SIDE};
     }

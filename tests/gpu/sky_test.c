@@ -40,35 +40,43 @@ static void rig_finish(rig *r) {
     fixture_finish(&r->f);
 }
 
+/* Both views by one camera, each with its eye at a position and with flags of its own. `depth`: the host's; null: none.
+ */
+static void render(rig *r, const velum_frame_info *frame, const velum_view_frame *camera, double positions[2][3],
+                   const uint32_t flags[2], const float *depth) {
+    velum_eye_frame eyes[2];
+    velum_pixels pixels[2];
+    for (int k = 0; k < 2; k++) {
+        eyes[k] = (velum_eye_frame){.struct_size = sizeof eyes[k], .flags = flags[k], .eye = r->eyes[k]};
+        memcpy(eyes[k].position_ecef_m, positions[k], sizeof eyes[k].position_ecef_m);
+        pixels[k] = (velum_pixels){.struct_size = sizeof pixels[k],
+                                   .view = r->views[k],
+                                   .frame = camera,
+                                   .luminance_rgb = r->light[k],
+                                   .depth = depth,
+                                   .width = W,
+                                   .height = H};
+    }
+    if (r->f.standalone_api->render(r->f.engine, frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
+        fail_msg("%s", r->f.newest);
+    }
+}
+
 static void draw(rig *r, const flight *at, double time_s) {
     const double rad = acos(-1.0) / 180.0;
     const double lat_deg = 50.0 + SPEED_M_S * time_s / 111200.0;
-    double east[3], north[3], up[3], sun[3], forward[3], position[3];
+    double east[3], north[3], up[3], sun[3], forward[3], positions[2][3];
     fixture_axes(50.0, 8.5, east, north, up);
     const double elevation = (at->sun_deg + at->sun_deg_s * time_s) * rad;
     for (int i = 0; i < 3; i++) {
         sun[i] = sin(elevation) * up[i] + cos(elevation) * (0.6 * east[i] + 0.8 * north[i]);
         forward[i] = 0.995 * north[i] + sqrt(1.0 - 0.995 * 0.995) * up[i];
     }
-    fixture_position(lat_deg, 8.5, at->height_m + at->climb_m_s * time_s, position);
+    fixture_position(lat_deg, 8.5, at->height_m + at->climb_m_s * time_s, positions[0]);
     const velum_frame_info frame = fixture_frame(sun, time_s, VELUM_ATMOSPHERE_EARTH);
-    const velum_view_frame camera = fixture_camera(position, forward, east, 1.2f, 0.9f);
-    velum_eye_frame eyes[2];
-    velum_pixels pixels[2];
-    for (int k = 0; k < 2; k++) {
-        eyes[k] =
-            (velum_eye_frame){.struct_size = sizeof eyes[k], .flags = k == 1 ? VELUM_EYE_RESET : 0, .eye = r->eyes[k]};
-        memcpy(eyes[k].position_ecef_m, position, sizeof position);
-        pixels[k] = (velum_pixels){.struct_size = sizeof pixels[k],
-                                   .view = r->views[k],
-                                   .frame = &camera,
-                                   .luminance_rgb = r->light[k],
-                                   .width = W,
-                                   .height = H};
-    }
-    if (r->f.standalone_api->render(r->f.engine, &frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
-        fail_msg("%s", r->f.newest);
-    }
+    const velum_view_frame camera = fixture_camera(positions[0], forward, east, 1.2f, 0.9f);
+    memcpy(positions[1], positions[0], sizeof positions[1]);
+    render(r, &frame, &camera, positions, (const uint32_t[2]){0, VELUM_EYE_RESET}, NULL);
 }
 
 /* Greatest difference of a pixel, of the exact one. */
@@ -134,36 +142,20 @@ static void draw_before_surfaces(rig *r, double height_m, double sun_deg) {
     static const double ways[] = {0.02, 0.3, 1.2, 0.0}; /* of the height: the steepest ray meets the ground at 1.4 */
     static float depth_m[PIXELS];
     const double rad = acos(-1.0) / 180.0;
-    double east[3], north[3], up[3], sun[3], position[3];
+    double east[3], north[3], up[3], sun[3], positions[2][3];
     fixture_axes(50.0, 8.5, east, north, up);
-    fixture_position(50.0, 8.5, height_m, position);
+    fixture_position(50.0, 8.5, height_m, positions[0]);
     for (int i = 0; i < 3; i++) {
         sun[i] = sin(sun_deg * rad) * up[i] + cos(sun_deg * rad) * (0.6 * east[i] + 0.8 * north[i]);
+        positions[1][i] = positions[0][i] + 60.0 * east[i];
     }
     for (int i = 0; i < PIXELS; i++) {
         depth_m[i] = (float)(ways[i % W / 4 % 4] * height_m);
     }
     const velum_frame_info frame = fixture_frame(sun, 0.0, VELUM_ATMOSPHERE_EARTH);
-    velum_view_frame camera = fixture_camera(position, north, east, 1.2f, 0.9f);
+    velum_view_frame camera = fixture_camera(positions[0], north, east, 1.2f, 0.9f);
     camera.depth_convention = VELUM_DEPTH_DISTANCE;
-    velum_eye_frame eyes[2];
-    velum_pixels pixels[2];
-    for (int k = 0; k < 2; k++) {
-        eyes[k] = (velum_eye_frame){.struct_size = sizeof eyes[k], .flags = VELUM_EYE_RESET, .eye = r->eyes[k]};
-        for (int i = 0; i < 3; i++) {
-            eyes[k].position_ecef_m[i] = position[i] + (k == 1 ? 60.0 : 0.0) * east[i];
-        }
-        pixels[k] = (velum_pixels){.struct_size = sizeof pixels[k],
-                                   .view = r->views[k],
-                                   .frame = &camera,
-                                   .luminance_rgb = r->light[k],
-                                   .depth = depth_m,
-                                   .width = W,
-                                   .height = H};
-    }
-    if (r->f.standalone_api->render(r->f.engine, &frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
-        fail_msg("%s", r->f.newest);
-    }
+    render(r, &frame, &camera, positions, (const uint32_t[2]){VELUM_EYE_RESET, VELUM_EYE_RESET}, depth_m);
 }
 
 /* The same, of its light and the mean together: air of a few metres has no digits. */
