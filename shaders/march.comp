@@ -19,8 +19,10 @@ layout(set = 1, binding = VELUM_BIND_COUNTERS, std430) buffer counter_buffer {
 /* Both uniform layers, no other. */
 const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
 
-/* Of a long step. */
+/* Of a long step; and of the mean free path in dense cloud, over what still comes through: a tongue that takes half of a
+ * ray's light is met by half of a pixel's rays, as sparks. No shorter than pixels show, and than so many metres. */
 const float short_share = 0.18;
+const float short_path = 0.8, short_through = 0.2, short_least_m = 1.0;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
@@ -41,10 +43,11 @@ const float dim = 0.3;
 /* Opacity with which a place stands for its layer or its cloud alone, once the ray has left that: one place for the rim of
  * a cloud and what lies far behind it would show the light of either, by chance. Drizzle and cloud that lie in each other
  * share places, or all would be on their first few metres. */
-const float alone_least = 0.02;
-/* Clouds are two where so much of the way to the second lies between them, and so many metres. Not of fibres: they have
- * many gaps, and one light; nor of uniform layers. */
-const float apart_share = 0.03, apart_least_m = 10.0;
+const float alone_least = 0.01;
+/* Clouds are two where so much of the way to the second lies between them, and so many metres: a tongue in the sun and the
+ * wall in its shade have two lights, near as they are. Not of fibres: they have many gaps, and one light; nor of uniform
+ * layers. */
+const float apart_share = 0.003, apart_least_m = 1.0;
 /* Where a step begins cloud is thinner than where it is sampled. */
 const float entry_share = 0.7;
 /* A ray gives up where so little comes through; the rest is taken as none. */
@@ -188,6 +191,7 @@ void main() {
     float stride = 1.0e9;  /* and what they let it advance by: beside a cloud, less than its length... */
     bool counted = false;  /* ... but all of it where one of them has counted for all of it */
     float settled = position; /* light and transmittance hold up to here */
+    float dense_1_m = 0.0;    /* extinction of the cloud last met, where it is whole */
 
     profile_memo memo = profile_none();
 #ifdef VELUM_FRINGED
@@ -205,7 +209,10 @@ void main() {
         float first_dt = STUDIED(study_all_alike() ? dt_min : min(dt_min, at_eye_m + wider * position),
                                  min(dt_min, at_eye_m + wider * position));
         float long_dt = min(max(first_dt, position * growth), longest) * hurry;
-        float dt = is_short ? long_dt * short_share : STUDIED(long_dt * view.study_limits.x, long_dt);
+        float path_m = short_path / max(dense_1_m * max(through, short_through), 1.0e-6);
+        float finest_m = max(position * growth * short_share, short_least_m);
+        float short_dt = min(long_dt * short_share, max(path_m, finest_m));
+        float dt = is_short ? short_dt : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
         dt = strides ? clamp(longest * hurry, dt, fall_stride * dt) : dt;
@@ -311,6 +318,7 @@ void main() {
         bool glides = FRINGED(hit.smooth_part && (part >= VELUM_PART_FALL || meets == 0u), false);
         bool within = hit.within;
         bool covered = hit.covered;
+        dense_1_m = within ? f.extinction_1_m * hit.profile.density_scale : dense_1_m;
         samples += hit.sampled ? 1u : 0u;
 
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
