@@ -14,10 +14,11 @@ typedef struct preset {
     uint32_t standing_ray_rate; /* as its error allows; 0: none */
 } preset;
 
-static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 224, 3, 2, 110.0f, 0.014f, 256},
-                                 [VELUM_QUALITY_MEDIUM] = {"medium", 224, 4, 3, 70.0f, 0.010f, 128},
-                                 [VELUM_QUALITY_HIGH] = {"high", 400, 7, 4, 45.0f, 0.006f, 64},
-                                 [VELUM_QUALITY_ULTRA] = {"ultra", 700, 10, 6, 35.0f, 0.0035f, 0},
+/* Of steps as many as lengths and growth take to any horizon, and some for clouds before it. */
+static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 448, 3, 2, 110.0f, 0.014f, 256},
+                                 [VELUM_QUALITY_MEDIUM] = {"medium", 640, 4, 3, 70.0f, 0.010f, 128},
+                                 [VELUM_QUALITY_HIGH] = {"high", 1000, 7, 4, 45.0f, 0.006f, 64},
+                                 [VELUM_QUALITY_ULTRA] = {"ultra", 1600, 10, 6, 35.0f, 0.0035f, 0},
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f, 0}};
 

@@ -103,12 +103,14 @@ float margin_here(cloud_hit hit, float lump) {
 
 /* The way from a place towards the sun: few steps, each longer than the one before; of the fields coverage is that of the
  * way, the others are those of the place. */
-sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
+sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
     velum_slot_fields f = hit.fields;
     float thickness = max(f.top_m - f.base_m, 1.0);
     float ahead = sun_reach_m(hit.slot, f, hit.height_m, mu_sun);
     /* The first is short enough for the next lump's shadow, however deep the cloud. */
     const float first_m = 90.0;
+    /* Of it, where it is looked at: the same from place to place, or shadows would be hatched. */
+    const float first_share = 0.44;
     float count = float(max(steps, 2));
     float ratio = max(pow(max(ahead, 1.0) / (1.3 * first_m), 1.0 / (count - 1.0)), 1.4);
     float dt = max(ahead, 0.0) * (ratio - 1.0) / (pow(ratio, count) - 1.0);
@@ -120,7 +122,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps, float start) {
     float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
     float here = margin_here(hit, own_lump);
     for (int i = 0; i < steps; ++i) {
-        float t = done + dt * (i == 0 ? start : 0.5);
+        float t = done + dt * (i == 0 ? first_share : 0.5);
         float h = hit.height_m + t * mu_sun;
         vec3 p = hit.r + eye.sun.xyz * t;
         float z = clamp((h - f.base_m) / thickness, 0.0, 1.0);
@@ -481,11 +483,11 @@ vec3 table_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, flo
 
 /* Light scattered towards the eye by cloud, per unit of scattering: luminance per 1/m. `place_m`: how far beyond the
  * sample it comes from, if that is known better. */
-vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, float start, inout float place_m) {
+vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, inout float place_m) {
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
-    sun_way way = sun_way_of(hit, mu_sun, steps, start);
+    sun_way way = sun_way_of(hit, mu_sun, steps);
     sun_left left = sun_left_at(hit, mu_sun);
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * left.others;
     vec3 field = sun * (max(mu_sun, 0.0) / PI * field_share * left.turned);

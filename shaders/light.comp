@@ -40,7 +40,7 @@ void main() {
 
     float place_m = 0.0;
     int steps = int(view.steps.y) * (is_fringe(hit) ? fringe_sun_steps : 1);
-    vec3 source = cloud_source(hit, ray_phases_of(ray.direction), steps, 0.25 + 0.5 * offset, place_m);
+    vec3 source = cloud_source(hit, ray_phases_of(ray.direction), steps, place_m);
     vec4 light = vec4(source / VELUM_LUMINANCE_UNIT, place_m) * found.z;
     lit[place] = pack_halves(clamp(light, -most_half, most_half));
 

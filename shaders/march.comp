@@ -406,7 +406,7 @@ void main() {
             cloud_look(lit, looking, lit_at, false);
         }
         if (wanted) {
-            source = cloud_source(lit, phases, light_steps, 0.25 + 0.5 * offset, place_m);
+            source = cloud_source(lit, phases, light_steps, place_m);
         }
         is_lit = is_lit || wanted;
         light += study_share(through, depth) * source;
