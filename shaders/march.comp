@@ -22,7 +22,7 @@ const uint sheets = (1u << VELUM_SLOT_UNIFORM) | (1u << VELUM_SLOT_UNIFORM_2);
 /* Of a long step; and of the mean free path in dense cloud, over what still comes through: a tongue that takes half of a
  * ray's light is met by half of a pixel's rays, as sparks. No shorter than pixels show, and than so many metres. */
 const float short_share = 0.18;
-const float short_path = 0.8, short_through = 0.2, short_least_m = 1.0;
+const float short_path = 1.2, short_through = 0.2, short_least_m = 1.0;
 /* A long step rises or falls by no more than this share of a layer's thickness: from high above, clouds are wider than
  * they are deep. */
 const float layer_share = 0.15;
@@ -191,7 +191,8 @@ void main() {
     float stride = 1.0e9;  /* and what they let it advance by: beside a cloud, less than its length... */
     bool counted = false;  /* ... but all of it where one of them has counted for all of it */
     float settled = position; /* light and transmittance hold up to here */
-    float dense_1_m = 0.0;    /* extinction of the cloud last met, where it is whole */
+    float dense_1_m = 0.0;    /* extinction, where it is whole, of the densest layer that the step before was within... */
+    float denser_1_m = 0.0;   /* ... and of what this step has been looked at so far */
 
     profile_memo memo = profile_none();
 #ifdef VELUM_FRINGED
@@ -211,7 +212,8 @@ void main() {
         float long_dt = min(max(first_dt, position * growth), longest) * hurry;
         float path_m = short_path / max(dense_1_m * max(through, short_through), 1.0e-6);
         float finest_m = max(position * growth * short_share, short_least_m);
-        float short_dt = min(long_dt * short_share, max(path_m, finest_m));
+        float short_dt = min(long_dt * short_share, max(path_m, finest_m) * hurry);
+        short_dt = STUDIED(study_all_alike() ? long_dt * short_share : short_dt, short_dt);
         float dt = is_short ? short_dt : STUDIED(long_dt * view.study_limits.x, long_dt);
 #ifdef VELUM_FRINGED
         bool strides = !is_short && room > 1.1 * fall_stride * long_dt;
@@ -318,7 +320,7 @@ void main() {
         bool glides = FRINGED(hit.smooth_part && (part >= VELUM_PART_FALL || meets == 0u), false);
         bool within = hit.within;
         bool covered = hit.covered;
-        dense_1_m = within ? f.extinction_1_m * hit.profile.density_scale : dense_1_m;
+        denser_1_m = within ? max(denser_1_m, f.extinction_1_m * hit.profile.density_scale) : denser_1_m;
         samples += hit.sampled ? 1u : 0u;
 
         /* All for fields that do not change much: a page tells nothing beyond its next texel. */
@@ -376,6 +378,8 @@ void main() {
 #endif
         }
         counted = !ends && (counted || found);
+        dense_1_m = ends && denser_1_m > 0.0 ? denser_1_m : dense_1_m;
+        denser_1_m = ends ? 0.0 : denser_1_m;
         stride = ends ? 1.0e9 : stride;
         advance = ends ? 1.0e9 : advance;
         clear_to = ends ? 1.0e9 : clear_to;
@@ -417,7 +421,7 @@ void main() {
         bool alone = place.z > alone_least;
         bool veil = slot == VELUM_SLOT_HIGH;
         bool even = uniform_layer || veil;
-        bool apart = alone && !even && start_m > (1.0 + apart_share) * left_m + apart_least_m;
+        bool apart = alone && !even && !is_fringe(hit) && start_m > (1.0 + apart_share) * left_m + apart_least_m;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
         bool fits = places < of.places && (deeper || other);

@@ -295,8 +295,29 @@ static void without_timestamps_the_quality_stays(void **state) {
     fixture_finish(&r.f);
 }
 
+/* From 12 km up, cloud 15 km high is seen 830 km off: a ray through clear air comes there without running out of steps.
+ */
+static void steps_reach_any_horizon(void **state) {
+    (void)state;
+    static picture now;
+    rig r;
+    rig_init(&r);
+    for (int32_t quality = VELUM_QUALITY_LOW; quality <= VELUM_QUALITY_ULTRA; quality++) {
+        watcher w = watch(&r, quality, 0.0f, 0.0f);
+        draw(&r, &w, &now);
+        double at_m = 0.0;
+        for (uint32_t i = 0; i < w.plan.march_steps; i++) {
+            at_m += fmax((double)w.plan.step_m, at_m * (double)w.plan.step_growth);
+        }
+        assert_true(at_m > 830e3);
+        leave(&r, &w);
+    }
+    fixture_finish(&r.f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(steps_reach_any_horizon),
         cmocka_unit_test(plans_are_repeated_bit_for_bit),
         cmocka_unit_test(other_rays_keep_the_history),
         cmocka_unit_test(other_steps_take_over),
