@@ -237,13 +237,15 @@ typedef struct velum_plan {
     uint32_t struct_size;
     uint32_t flags;         /* VELUM_PLAN_* */
     uint32_t active_layers; /* bit per slot that can be seen */
-    uint32_t march_steps;   /* along a ray, at most: 1..4096. They grow up to 5 times as long as they run out */
+    uint32_t march_steps;   /* along a ray, at most: 1..4096. They grow up to 17 times as long as they run out */
     uint32_t light_steps;   /* towards the sun: 1..64 */
     uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4, 8, 16, 32 or 64 */
     uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
     float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
-                               those in cloud are 0.18 of it. Both are shorter where cover is rare, down to 0.3 of that */
+                               those in cloud are 0.18 of it, but no longer than 1.2 mean free paths of dense cloud
+                               over what still comes through, where pixels show it. Steps that look for cloud are
+                               shorter where cover is rare, down to 0.3 of that */
     float step_growth;      /* relative growth with distance, 0..0.5 */
     float distance_m;       /* rays end here at the latest, 1..1e7 */
 
