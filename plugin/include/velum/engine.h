@@ -244,8 +244,8 @@ typedef struct velum_plan {
     uint32_t blending;      /* 1: two weather states are mixed */
     float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
                                those in cloud are 0.18 of it, but no longer than 1.2 mean free paths of dense cloud
-                               over what still comes through, where pixels show it. Steps that look for cloud are
-                               shorter where cover is rare, down to 0.3 of that */
+                               over what still comes through, where pixels show it. Both are shorter where cover is
+                               rare, down to 0.3 of that */
     float step_growth;      /* relative growth with distance, 0..0.5 */
     float distance_m;       /* rays end here at the latest, 1..1e7 */
 
