@@ -122,8 +122,13 @@ static bool lags(const view *v, const camera *now, const velum_plan *plan, doubl
            pixels_s * fabs(now->time_s - past->time_s) < KEPT_PIXELS;
 }
 
-/* As many as in motion; in the last round up to all that it then has, so that the picture changes by and by. */
+/* What was seen before counts for one ray beside all that come after it. */
 static float yielding_samples(uint32_t frames_left, uint32_t ray_rate) {
+    return 1.0f + (float)(YIELDING_ROUNDS - (frames_left + ray_rate - 1) / ray_rate);
+}
+
+/* As a view that stands, until the last round: by and by as one at rest. */
+static float yielding_shown(uint32_t frames_left, uint32_t ray_rate) {
     return MOVING_SAMPLES + fmaxf(1.0f - (float)frames_left / (float)ray_rate, 0.0f);
 }
 
@@ -181,6 +186,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
                 : next->yields > 0  ? yielding_samples(next->yields, plan->ray_rate)
                 : other_plan        ? OTHER_PLAN_SAMPLES
                                     : RESTING_SAMPLES;
+    t.shown_samples = is_still && next->yields > 0 ? yielding_shown(next->yields, plan->ray_rate) : t.samples;
     next->yields -= next->yields > 0;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;

@@ -17,8 +17,9 @@ typedef struct history_turn {
     bool anew;
     bool forgets; /* what history holds counts for nothing from then on */
     history_way way;
-    float samples;  /* that a pixel's history counts for at most */
-    bool has_depth; /* the host's, now or in the frame before; or air of its own */
+    float samples;       /* that a pixel's history counts for at most */
+    float shown_samples; /* that a pixel which stands is shown as having at most */
+    bool has_depth;      /* the host's, now or in the frame before; or air of its own */
     uint32_t round;
     /* Frames in which tiles of rays that find what history has take one turn; 0: all have rays in every frame. */
     uint32_t calm_turns;

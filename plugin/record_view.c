@@ -119,6 +119,7 @@ static void fill_view(const view *v, const velum_view_frame *f, const velum_vulk
     _Static_assert(GOVERNOR_FINER_MOST == 64 * VELUM_FINER_NINTHS / 9, "lists have room for so many");
     out->before_jitter[2] = plan->finer_blocks != 0 ? (float)plan->finer_blocks : VELUM_FINER_BLOCKS;
     out->scale[3] = history->samples;
+    out->before_jitter[3] = history->shown_samples;
     out->depth[0] = (float)f->depth_convention;
     out->depth[1] = f->depth_near_m;
     out->depth[2] = f->depth_far_m;

@@ -23,6 +23,7 @@ void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
     cloud_pixel old = standing_at(pixel, ended);
     cloud_pixel fresh = cloud_pixel(light, distance_m, 1.0, vec4(0.0));
     cloud_pixel cloud = with_ray(old, min(old.samples, view.scale.w), fresh, 0.0);
+    cloud.samples = stepped(old, cloud.samples);
     history_store(pixel, cloud, false, false, 0u);
     if (calm_turns() == 0u) {
         return;

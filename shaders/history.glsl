@@ -13,6 +13,9 @@ const float distance_unit_m = 100.0;
 /* So that samples of what has none can be negative. */
 const float least_samples = 1e-3;
 
+/* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
+const float places_of_steps = 4.0;
+
 struct cloud_pixel {
     vec4 light; /* luminance / VELUM_LUMINANCE_UNIT, transmittance */
     float distance_m; /* 0: none */
@@ -34,6 +37,11 @@ cloud_pixel standing_at(ivec2 pixel, out bool ended) {
     old.change = vec4(0.0);
     ended = data.y < 0.0;
     return old;
+}
+
+/* What has had rays from all places keeps that, however little it counts for. */
+float stepped(cloud_pixel old, float samples) {
+    return max(samples, min(old.samples, places_of_steps));
 }
 
 /* With a ray of its own more, which gets at least such a share. */

@@ -41,8 +41,6 @@ const float borrowed = 0.75;
 /* Share of what a pixel lies beyond those beside it that is not shown; the less where pixels are wider than this, for then
  * clouds vary as much. */
 const float evened_share = 0.6, evened_rad = 1.2e-3;
-/* A pixel's rays step from so many places: until they have, a view that stands shows its pixels with those beside them. */
-const float places_of_steps = 4.0;
 /* Strides lose so much of that by filters, at most. */
 const float filtered = 0.03;
 
@@ -223,7 +221,7 @@ vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
                                        rests_beside(cell + ivec2(1, 0), cloud, ray, end_m),
                                        rests_beside(cell - ivec2(0, 1), cloud, ray, end_m),
                                        rests_beside(cell + ivec2(0, 1), cloud, ray, end_m));
-    vec4 own = cloud.light - waits(view.scale.w) * toothed() * excess_of(cloud.light, beside);
+    vec4 own = cloud.light - waits(view.before_jitter.w) * toothed() * excess_of(cloud.light, beside);
     vec4 mean = 0.5 * cloud.light + 0.125 * (beside.left + beside.right + beside.over + beside.under);
     return mix(own, mean, waits(cloud.samples));
 }
@@ -406,6 +404,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     cloud_pixel result;
     if (own) {
         result = with_ray(old, count, fresh, renewed);
+        if (!moves && count >= 1.0) {
+            result.samples = stepped(old, result.samples);
+        }
     } else if (count < has_ray) {
         /* Never hit by a ray of its own: as good as this frame's neighbours. */
         result = fresh;
@@ -415,7 +416,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result = old;
         /* What history counts for when a ray comes is asked then; what has had its rays keeps them while the view stands. */
         bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || calm_turns() != 0u);
-        result.samples = stands ? max(count, min(old.samples, places_of_steps)) : count;
+        result.samples = stands ? stepped(old, count) : count;
     }
     if (moves) {
         /* Of near cloud rays say all; where it has come from they tell badly. */

@@ -92,7 +92,7 @@ VELUM_STRUCT(velum_view_block) {
     VELUM_UVEC4(turn);
     VELUM_VEC4(room);        /* width, height of the march images; of history */
     VELUM_UVEC4(study);      /* velum_plan: flags, integrator, scattering, sun_depth */
-    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; of 64 blocks, how many may be finer; 0 */
+    VELUM_VEC4(before_jitter); /* of the frame before: x, y in pixels; of 64 blocks, how many may be finer; samples shown */
     VELUM_VEC4(study_limits); /* long steps over the ordinary ones, 0: all alike; thin_density; exit_transmittance; 0 */
     /* How far cloud at the levels of shade.h over the eye has drifted since the time that history shows, m. */
     VELUM_VEC4S(drifts, VELUM_SHADE_LEVELS);

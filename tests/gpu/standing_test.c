@@ -199,7 +199,7 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
         assert_true(planned > 0.95 * drifting && planned < 1.05 * drifting);
         assert_true(least > 0.95 * drifting);
         assert_true(leap <= 0.0005);
-        assert_true(off <= 0.0013 && off <= rested_off + 0.00045);
+        assert_true(off <= 0.0012 && off <= rested_off + 0.0003);
         motion_rig_finish(&r);
     }
 }
