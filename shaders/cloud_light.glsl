@@ -178,7 +178,7 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.02; /* of the lit face, over that along the sun */
 const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.895;
+const float deep_share = 0.903;
 const float below_share = 1.29; /* of the base among the ways out */
 /* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
  * gaps. */
