@@ -36,11 +36,16 @@ struct due_ray {
     uint place, places; /* its first in lit; how many it may have */
 };
 
+/* See VELUM_LIT_PLACES_LEAST. */
+uint wanted_places() {
+    return max(view.steps.y / 2u + 1u, uint(VELUM_LIT_PLACES_LEAST));
+}
+
 /* An invocation's ray, if there is one. */
 bool due_ray_here(out due_ray ray) {
     bool finer = view_flag(VELUM_VIEW_BLOCK_FINER);
     ray.which = 0u;
-    ray.places = ray_places(finer);
+    ray.places = min(wanted_places(), ray_places(finer));
     if (calm_turns() == 0u && !finer) {
         ray.block = picture_block();
         ray.place = own_head(ray_of(ray.block), finer);

@@ -72,7 +72,7 @@ uint finer_head(uint rays, uint finer, uint which) {
     return rays * uint(VELUM_FINER_PLACES) + (finer * 3u + which - 1u) * uint(VELUM_FINER_PLACES + 1);
 }
 
-/* How many a ray may have. */
+/* How many a ray has room for. */
 uint ray_places(bool finer) {
     return finer ? uint(VELUM_FINER_PLACES) : uint(VELUM_LIT_PLACES);
 }

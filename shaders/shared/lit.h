@@ -2,9 +2,11 @@
 #ifndef VELUM_LIT_H
 #define VELUM_LIT_H
 
-/* Places of a ray, at most; bytes of one; for how many of them there is room for each block. Before them, of so many bytes
- * each: dispatch and count of the places, then those of the rays that are due, and the number of finer blocks. */
-#define VELUM_LIT_PLACES 4
+/* Places of a ray, at most: half as many as there are steps from each to the sun and one more, but no fewer than the
+ * least; bytes of one; for how many of them there is room for each block. Before them, of so many bytes each: dispatch and
+ * count of the places, then those of the rays that are due, and the number of finer blocks. */
+#define VELUM_LIT_PLACES 6
+#define VELUM_LIT_PLACES_LEAST 4
 #define VELUM_LIT_BYTES 8
 #define VELUM_LIT_ROOM 6
 #define VELUM_LIT_DISPATCH_BYTES 16
