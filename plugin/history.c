@@ -124,7 +124,8 @@ static bool lags(const view *v, const camera *now, const velum_plan *plan, doubl
 
 /* What was seen before counts for one ray beside all that come after it. */
 static float yielding_samples(uint32_t frames_left, uint32_t ray_rate) {
-    return 1.0f + (float)(YIELDING_ROUNDS - (frames_left + ray_rate - 1) / ray_rate);
+    const uint32_t rounds_left = (frames_left + ray_rate - 1) / ray_rate;
+    return 1.0f + (float)(YIELDING_ROUNDS - rounds_left);
 }
 
 /* As a view that stands, until the last round: by and by as one at rest. */
@@ -161,6 +162,9 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     const bool other_plan = !same_picture(&past->plan, plan);
     /* A progressive mean that moved pictures have gone into would keep them. */
     const bool settles = next->has_moved && next->still >= past->rest;
+    if (plan->ray_rate != past->plan.ray_rate) {
+        next->yields = (next->yields + past->plan.ray_rate - 1) / past->plan.ray_rate * plan->ray_rate;
+    }
     if (settles || plan->ray_rate != past->plan.ray_rate) {
         next->rounds += (past->counter - past->begun + past->plan.ray_rate - 1) / past->plan.ray_rate;
         next->begun = past->counter;

@@ -18,7 +18,7 @@ typedef struct preset {
 static const preset presets[] = {[VELUM_QUALITY_LOW] = {"low", 448, 6, 2, 110.0f, 0.014f, 256},
                                  [VELUM_QUALITY_MEDIUM] = {"medium", 640, 8, 3, 70.0f, 0.010f, 128},
                                  [VELUM_QUALITY_HIGH] = {"high", 1000, 14, 4, 45.0f, 0.006f, 64},
-                                 [VELUM_QUALITY_ULTRA] = {"ultra", 1600, 20, 6, 35.0f, 0.0035f, 0},
+                                 [VELUM_QUALITY_ULTRA] = {"ultra", 1600, 16, 6, 35.0f, 0.0035f, 0},
                                  /* Its octaves are the greatest order of scattering; 0: all. */
                                  [VELUM_QUALITY_REFERENCE] = {"reference", 1, 1, 0, 1.0f, 0.0f, 0}};
 

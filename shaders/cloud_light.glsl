@@ -88,11 +88,14 @@ const float step_spread = 1.0;
 
 /* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
 const float face_m = 1000.0;
+/* Over so much of it a place's own face is told, where steps are as short as that: nearer, lumps tell nothing. */
+const float near_m = 40.0;
 
 struct sun_way {
     float depth;    /* optical, of the slot's cloud */
     float coverage; /* in the last step */
-    /* How the margin falls, in e a metre, whatever the fine detail: as far as face_m, and over the first step. */
+    /* How the margin falls, in e a metre, whatever the fine detail: as far as face_m, and over the first step, or as far as
+     * near_m. */
     float falls_1_m, falls_near_1_m;
 };
 
@@ -140,7 +143,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
         /* Lengths of steps go by height alone: one that came or went at once would draw a line at a height. */
         float counts = i == 0 ? 1.0 : smoothstep(1.3 * face_m, 0.7 * face_m, t);
         way.falls_1_m = mix(way.falls_1_m, falls_1_m, counts);
-        way.falls_near_1_m = i == 0 ? falls_1_m : way.falls_near_1_m;
+        way.falls_near_1_m = i == 0 || t < near_m ? falls_1_m : way.falls_near_1_m;
         done += dt;
         dt *= ratio;
     }
@@ -178,7 +181,7 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.02; /* of the lit face, over that along the sun */
 const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
-const float deep_share = 0.903;
+const float deep_share = 0.895;
 const float below_share = 1.29; /* of the base among the ways out */
 /* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
  * gaps. */

@@ -213,7 +213,7 @@ vec4 rests_beside(ivec2 there, cloud_pixel cloud, view_ray ray, float end_m) {
 }
 
 /* Of a view that stands; `cell`: where the pixel's history is. Places to step from lie on a checkerboard, and that in
- * fours: the mean leaves nothing of the first and half of the others. Where history counts for less than all places, the
+ * fours: the mean leaves nothing of the first and half of the others. Where a pixel is shown as having fewer samples, the
  * newest ray shows, and edges have teeth when a pixel has seen them from all: see evened. */
 vec4 shown_at_rest(cloud_pixel cloud, ivec2 cell, view_ray ray, float hit_m) {
     float end_m = end_of(hit_m);
