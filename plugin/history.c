@@ -122,10 +122,14 @@ static bool lags(const view *v, const camera *now, const velum_plan *plan, doubl
            pixels_s * fabs(now->time_s - past->time_s) < KEPT_PIXELS;
 }
 
+/* Begun ones count. */
+static uint32_t rounds_of(uint32_t frames, uint32_t ray_rate) {
+    return (frames + ray_rate - 1) / ray_rate;
+}
+
 /* What was seen before counts for one ray beside all that come after it. */
 static float yielding_samples(uint32_t frames_left, uint32_t ray_rate) {
-    const uint32_t rounds_left = (frames_left + ray_rate - 1) / ray_rate;
-    return 1.0f + (float)(YIELDING_ROUNDS - rounds_left);
+    return 1.0f + (float)(YIELDING_ROUNDS - rounds_of(frames_left, ray_rate));
 }
 
 /* As a view that stands, until the last round: by and by as one at rest. */
@@ -162,11 +166,9 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
     const bool other_plan = !same_picture(&past->plan, plan);
     /* A progressive mean that moved pictures have gone into would keep them. */
     const bool settles = next->has_moved && next->still >= past->rest;
-    if (plan->ray_rate != past->plan.ray_rate) {
-        next->yields = (next->yields + past->plan.ray_rate - 1) / past->plan.ray_rate * plan->ray_rate;
-    }
     if (settles || plan->ray_rate != past->plan.ray_rate) {
-        next->rounds += (past->counter - past->begun + past->plan.ray_rate - 1) / past->plan.ray_rate;
+        next->yields = rounds_of(next->yields, past->plan.ray_rate) * plan->ray_rate;
+        next->rounds += rounds_of(past->counter - past->begun, past->plan.ray_rate);
         next->begun = past->counter;
     }
     if (settles) {
@@ -190,7 +192,7 @@ history_turn history_take(const view *v, bool cut, const camera *now, const velu
                 : next->yields > 0  ? yielding_samples(next->yields, plan->ray_rate)
                 : other_plan        ? OTHER_PLAN_SAMPLES
                                     : RESTING_SAMPLES;
-    t.shown_samples = is_still && next->yields > 0 ? yielding_shown(next->yields, plan->ray_rate) : t.samples;
+    t.shown_samples = next->yields > 0 ? yielding_shown(next->yields, plan->ray_rate) : t.samples;
     next->yields -= next->yields > 0;
     t.calm_turns = drifts && !other_plan ? plan->standing_ray_rate / plan->ray_rate : 0;
     t.tiles_begin = t.calm_turns != 0 && t.calm_turns != past->calm_turns;

@@ -66,6 +66,7 @@ static void draw_with_few_steps(fixture *f, velum_view *view, const velum_view_f
     assert_int_equal(f->engine_api->set_plan(eye->eye, &plan), VELUM_OK);
     eye->flags = VELUM_EYE_RESET;
     draw(f, view, camera, up, eye, frames, rgb);
+    assert_int_equal(f->engine_api->set_plan(eye->eye, NULL), VELUM_OK);
 }
 
 /* Northward on the region from so far south of it, that high: share of the pixels in which picture and query agree on

@@ -181,8 +181,9 @@ static void standing_under_drifting_cloud_is_sharp(void **state) {
         for (uint32_t i = 0; i < AT_REST + 16; i++) {
             memcpy(stopped, r.through, sizeof stopped);
             motion_draw(&r, under_m, 0.5, motion_steady, 0);
-            least = fmin(least, roughness(&r));
-            most = fmax(most, roughness(&r));
+            const double rough = roughness(&r);
+            least = fmin(least, rough);
+            most = fmax(most, rough);
             leap = fmax(leap, motion_apart(&r, stopped));
         }
         memcpy(stopped, r.through, sizeof stopped);

@@ -304,7 +304,7 @@ static void light_goes_from_cell_to_cell(void **state) {
     expect_near(mean(r.light), single, 0.02, "thin cloud's light");
 
     clouds(&r);
-    const float cells_m[] = {1600.0f, 800.0f, 400.0f};
+    const float cells_m[] = {800.0f, 400.0f, 200.0f};
     float *const kept[] = {coarse, medium, r.light};
     for (int i = 0; i < 3; i++) {
         plan.volume_cell_m = cells_m[i];
@@ -313,7 +313,7 @@ static void light_goes_from_cell_to_cell(void **state) {
     }
     const double first = apart(coarse, r.light), then = apart(medium, r.light);
     assert_true(then > 0.001 && then < 0.8 * first);
-    plan.volume_cell_m = 800.0f;
+    plan.volume_cell_m = 400.0f;
     draw_plan(&r, &plan, 4);
     assert_memory_equal(r.light, medium, sizeof medium);
     /* Another sun: what the view has is made anew. */
