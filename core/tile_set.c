@@ -134,8 +134,9 @@ static bool visit(walk *w, uint32_t key, const uint32_t first[MAX_STATES]) {
             }
         }
         if (wants) {
-            uint32_t level =
-                core_detail_level(w->states[s], w->cells[s].items + begin[s], w->cells[s].count - begin[s], &cap);
+            const uint32_t count = w->cells[s].count - begin[s];
+            const uint32_t *cells = count > 0 ? w->cells[s].items + begin[s] : NULL;
+            uint32_t level = core_detail_level(w->states[s], cells, count, &cap);
             detail = detail > level ? detail : level;
         }
     }
