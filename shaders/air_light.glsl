@@ -81,18 +81,25 @@ float haze_to_space(float height_m, float mu) {
 /* Longer ways bend round the planet; on shorter ones what is left of two ways to space has no digits. */
 const float straight_m = 60000.0;
 
-/* Depth of haze and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
-float dust_between(float h0, float mu0, float h1, float mu1, float distance_m) {
+/* Depth of haze between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
+float haze_between(float h0, float mu0, float h1, float mu1, float distance_m) {
+    bool rises = mu0 + mu1 >= 0.0;
+    float low = rises ? h0 : h1;
+    float high = rises ? h1 : h0;
+    float rise = high - low;
+    float straight = abs(rise) < 1.0 ? haze_extinction_1_m(low) : (haze_under(high) - haze_under(low)) / rise;
+    float haze = distance_m < straight_m
+                     ? straight * distance_m
+                     : haze_to_space(low, rises ? mu0 : -mu1) - haze_to_space(high, rises ? mu1 : -mu0);
+    return max(haze, 0.0);
+}
+
+/* Of fog: it ends at its top. */
+float fog_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     bool rises = mu0 + mu1 >= 0.0;
     float low = rises ? h0 : h1;
     float high = rises ? h1 : h0;
     float mu_low = rises ? mu0 : -mu1;
-    float mu_high = rises ? mu1 : -mu0;
-    float rise = high - low;
-    float straight = abs(rise) < 1.0 ? haze_extinction_1_m(low) : (haze_under(high) - haze_under(low)) / rise;
-    float haze = distance_m < straight_m ? straight * distance_m
-                                         : haze_to_space(low, mu_low) - haze_to_space(high, mu_high);
-    /* Fog ends at its top. */
     float top_m = eye.drift.z;
     float under_m = max(top_m - low, 0.0);
     float to_top = sqrt(mu_low * mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - mu_low;
@@ -101,16 +108,21 @@ float dust_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     float climb = end_m - low;
     float fog = abs(climb) < 1.0 ? velum_fog_density(low, top_m)
                                  : (velum_fog_column_m(end_m, top_m) - velum_fog_column_m(low, top_m)) / climb;
-    return max(haze, 0.0) + (low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0);
+    return low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0;
 }
 
-/* Of air and fog between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1, so far on. */
-vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
+/* Of clean air between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1; of way that is short
+ * it has no digits. */
+vec3 clean_between(float h0, float mu0, float h1, float mu1) {
     bool rises = mu0 + mu1 >= 0.0;
     vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
     vec3 beyond = air_to_space(rises ? h1 : h0, rises ? mu1 : -mu0);
-    vec3 clean = clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0));
-    return eye.ground.w == 0.0 ? vec3(1.0) : clean * exp(-dust_between(h0, mu0, h1, mu1, distance_m));
+    return clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0));
+}
+/* With haze and fog. */
+vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
+    float dust = haze_between(h0, mu0, h1, mu1, distance_m) + fog_between(h0, mu0, h1, mu1, distance_m);
+    return eye.ground.w == 0.0 ? vec3(1.0) : clean_between(h0, mu0, h1, mu1) * exp(-dust);
 }
 
 /* Height and cosine of the zenith angle so far along a ray that starts at height h0 with cosine mu0, on a sphere: for
@@ -435,7 +447,7 @@ air_light air_march(vec3 o, vec3 d, float distance_m, int steps, bool with_glow)
 }
 
 /* The sky table: azimuth from the sun (0..pi, symmetric) and elevation, finer towards the horizon; its last columns hold
- * optical depth, its last row ambient light (see sky.comp). */
+ * optical depths, its last row ambient light (see sky.comp). */
 vec2 sky_place(vec3 d) {
     vec3 up = eye.up.xyz;
     float mu = clamp(dot(d, up), -1.0, 1.0);
@@ -460,19 +472,42 @@ struct sky_light {
     vec3 transmittance; /* of all the way: to the ground, or to space */
 };
 
-/* Above and below the horizon are different worlds: the table's halves are not filtered into each other. */
-sky_light sky_light_at(vec3 d, bool to_ground) {
+const vec2 sky_size = vec2(VELUM_SKY_COLUMNS, VELUM_SKY_H);
+
+/* Column and row. Above and below the horizon are different worlds: the table's halves are not filtered into each
+ * other. */
+vec2 sky_texel(vec3 d, bool to_ground) {
     vec2 place = sky_place(d);
     vec2 size = vec2(VELUM_SKY_W, VELUM_SKY_H - 1);
     float row = place.y * (size.y - 1.0);
     float middle = 0.5 * (size.y - 1.0);
-    row = (to_ground ? min(row, floor(middle)) : max(row, floor(middle) + 1.0)) + 0.5;
-    const vec2 all = vec2(VELUM_SKY_COLUMNS, VELUM_SKY_H);
+    row = to_ground ? min(row, floor(middle)) : max(row, floor(middle) + 1.0);
+    return vec2(place.x * (size.x - 1.0), row) + 0.5;
+}
+
+sky_light sky_light_at(vec2 texel) {
     sky_light sky;
-    sky.luminance = textureLod(sky_table, vec2(place.x * (size.x - 1.0) + 0.5, row) / all, 0.0).rgb;
+    sky.luminance = textureLod(sky_table, texel / sky_size, 0.0).rgb;
     sky.luminance *= eye.ground.w == 0.0 ? 0.0 : VELUM_LUMINANCE_UNIT;
-    sky.transmittance = exp(-textureLod(sky_table, vec2(VELUM_SKY_W + 1.0, row) / all, 0.0).rgb);
+    sky.transmittance = exp(-textureLod(sky_table, vec2(VELUM_SKY_W + 1.0, texel.y) / sky_size, 0.0).rgb);
     return sky;
+}
+
+/* Of all the way, in [0, 1], that to a column of the depths of clean air and haze: finest at both ends. */
+float sky_share_of(int column) {
+    return 0.5 - 0.5 * cos(PI * float(column) / float(VELUM_SKY_SHARES - 1));
+}
+
+/* Transmittance of air and fog before what stands so far along a ray from the eye; `ground_m`: as of ground_distance. */
+vec3 air_before(vec3 d, float row, float ground_m, float distance_m) {
+    vec2 eyes = vec2(eye.up.w, dot(d, eye.up.xyz));
+    float way_m = ground_m >= 0.0 ? ground_m : along_to(eyes.x, eyes.y, VELUM_AIR_TOP_M, true);
+    float share = distance_m / max(way_m, 1.0);
+    float column = acos(1.0 - 2.0 * clamp(share, 0.0, 1.0)) * (float(VELUM_SKY_SHARES - 1) / PI);
+    vec2 texel = vec2(float(VELUM_SKY_W) + 2.5 + column, row);
+    vec3 clear = textureLod(sky_table, texel / sky_size, 0.0).rgb * share;
+    vec2 there = along_ray(eyes.x, eyes.y, distance_m);
+    return exp(-clear - fog_between(eyes.x, eyes.y, there.x, there.y, distance_m));
 }
 
 /* Light of cloud so far away, and of the air before it: it dims, and shines in the share that the cloud covers. */

@@ -28,7 +28,7 @@ void keep(ivec2 block, view_ray ray, vec4 light, float distance_m) {
     if (calm_turns() == 0u) {
         return;
     }
-    sky_light sky = sky_light_at(ray.direction, ground_distance(ray.origin, ray.direction) >= 0.0);
+    sky_light sky = sky_light_at(sky_texel(ray.direction, ground_distance(ray.origin, ray.direction) >= 0.0));
     vec4 change = cloud.change * vec4(vec3(VELUM_LUMINANCE_UNIT), 1.0);
     change.rgb += change.a * sky.luminance;
     history_unrest(block, change, cloud.light.rgb * VELUM_LUMINANCE_UNIT + cloud.light.a * sky.luminance);

@@ -470,23 +470,24 @@ void main() {
     vec3 change = cloud.change.rgb * VELUM_LUMINANCE_UNIT;
 
     if (eye.ground.w != 0.0) {
-        bool to_ground = ground >= 0.0;
-        sky_light sky = sky_light_at(ray.direction, to_ground);
-        vec3 air = sky.transmittance;
-        vec3 share = vec3(1.0);
-        if (has_depth && (host || has_own_air)) {
-            /* Of the light of all the way, the share before what is hit. */
+        vec2 texel = sky_texel(ray.direction, ground >= 0.0);
+        sky_light sky = sky_light_at(texel);
+        vec3 whole = sky.transmittance;
+        vec3 air = whole;
+        if (has_depth && has_own_air) {
             float enter_m;
-            vec2 start = has_own_air ? start_of(ray.origin, ray.direction) : start_by_eye(ray.origin, ray.direction);
-            vec2 near = into_air(start, enter_m);
-            vec3 whole = has_own_air ? air_along(near, enter_m, ground) : air;
+            vec2 near = into_air(start_of(ray.origin, ray.direction), enter_m);
+            whole = air_along(near, enter_m, ground);
             float before_m = hit - enter_m;
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
             air = air_between(near.x, near.y, there.x, there.y, before_m);
             air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
-            share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : share;
-            air = host ? air : whole;
+        } else if (has_depth) {
+            air = air_before(ray.direction, texel.y, ground, hit);
         }
+        air = host ? air : whole;
+        /* Of the light of all the way, the share before what is hit. */
+        vec3 share = host ? clamp((1.0 - air) / max(1.0 - whole, vec3(1e-4)), 0.0, 1.0) : vec3(1.0);
         light += through * sky.luminance * share;
         change += cloud.change.a * sky.luminance * share;
         transmittance *= air;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last columns,
- * two alike: optical depth of that way. Last row: mean luminance of the half world above (texels 0..31) and below
+ * two alike: optical depth of that way; then, without fog's, of shares of it, over those (sky_share_of). Last row: mean luminance of the half world above (texels 0..31) and below
  * (32..63), at the levels of shared/shade.h; then the same of even halves of as much flux (64..127). */
 #include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
@@ -96,6 +96,25 @@ vec3 ambient(int index) {
     return sum / float(count);
 }
 
+const float black = 1e-6;
+
+/* Of clean air and haze so far along a ray that begins at such a height with such a cosine. */
+vec3 clear_depth(vec2 near, float way_m) {
+    vec2 far = along_ray(near.x, near.y, way_m);
+    float low_m = clamp(-VELUM_WGS84_A_M * near.y, 0.0, way_m);
+    vec3 clean = vec3(0.0);
+    float before_m = 0.0;
+    const int steps = 24;
+    for (int i = 0; i < (way_m < straight_m ? steps : 0); ++i) {
+        float to_m = air_node(float(i + 1) / float(steps), way_m, low_m, 1.0);
+        float height_m = along_ray(near.x, near.y, 0.5 * (before_m + to_m)).x;
+        clean += air_extinction_1_m(height_m) * (to_m - before_m);
+        before_m = to_m;
+    }
+    vec3 longer = -log(max(clean_between(near.x, near.y, far.x, far.y), vec3(black)));
+    return (way_m < straight_m ? clean : longer) + haze_between(near.x, near.y, far.x, far.y, way_m);
+}
+
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     if (texel.x >= VELUM_SKY_COLUMNS || texel.y >= VELUM_SKY_H) {
@@ -128,8 +147,13 @@ void main() {
         if (texel.x >= VELUM_SKY_W) {
             float enter_m;
             vec2 near = into_air(start_of(vec3(0.0), d), enter_m);
-            const float black = 1e-6;
             result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
+            if (texel.x >= VELUM_SKY_W + 2) {
+                float all_m = to_ground ? start + distance_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+                float share = sky_share_of(texel.x - (VELUM_SKY_W + 2));
+                vec3 here_1_m = air_extinction_1_m(near.x) + haze_extinction_1_m(near.x);
+                result = share > 0.0 ? clear_depth(near, share * all_m) / share : here_1_m * all_m;
+            }
         } else {
             air_light light = air_march(d * start, d, distance_m, 24, true);
             result = light.luminance;

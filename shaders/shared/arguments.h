@@ -168,7 +168,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_AIR_W 256
 #define VELUM_AIR_H 64
 #define VELUM_SKY_W 192
-#define VELUM_SKY_COLUMNS (VELUM_SKY_W + 2)
+#define VELUM_SKY_SHARES 64
+#define VELUM_SKY_COLUMNS (VELUM_SKY_W + 2 + VELUM_SKY_SHARES)
 #define VELUM_SKY_H 108
 #define VELUM_GLOW_SIDE 32
 
