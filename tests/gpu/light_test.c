@@ -10,6 +10,8 @@ typedef struct scene {
     double height_m, pitch_deg, sun_deg; /* of the eye; over the horizon; looking east, the sun in the south-west */
     float albedo;
     int32_t quality, atmosphere;
+    bool every_pixel;     /* has a ray */
+    uint32_t light_steps; /* 0: as many as the quality has */
 } scene;
 
 typedef struct answer {
@@ -52,6 +54,13 @@ static void draw(fixture *f, const scene *s, int frames, float *light, float *th
     for (int i = 0; s->quality == VELUM_QUALITY_REFERENCE ? stats.paths_per_pixel < REFERENCE_PATHS : i < frames; i++) {
         assert_int_equal(f->standalone_api->render(f->engine, &frame, &at, 1, 0, &pixels, 1, 0), VELUM_OK);
         assert_int_equal(f->engine_api->get_stats(view, &stats), VELUM_OK);
+        if (i == 0 && s->every_pixel) {
+            velum_plan plan = {.struct_size = sizeof plan};
+            assert_int_equal(f->engine_api->get_plan(eye, &plan, NULL), VELUM_OK);
+            plan.light_steps = s->light_steps > 0 ? s->light_steps : plan.light_steps;
+            plan.ray_rate = 1;
+            assert_int_equal(f->engine_api->set_plan(eye, &plan), VELUM_OK);
+        }
     }
     assert_int_equal(f->engine_api->destroy_view(view), VELUM_OK);
     assert_int_equal(f->engine_api->destroy_eye(eye), VELUM_OK);
@@ -277,6 +286,53 @@ static void walls_of_storms_show_their_lumps_in_the_shade(void **state) {
     fixture_finish(&f);
 }
 
+/* How unevenly a preset's steps towards the sun tell the light where none comes through: mean change, from each pixel
+ * to the next, of the light's ratio to that of as many steps as there may be. */
+static double blotches(fixture *f, scene s, int *pixels) {
+    float few[3 * PIXELS], many[3 * PIXELS], through[3 * PIXELS];
+    s.every_pixel = true;
+    draw(f, &s, 64, few, through);
+    s.light_steps = 64;
+    draw(f, &s, 64, many, through);
+    double sum = 0.0;
+    *pixels = 0;
+    for (int i = 0; i < PIXELS - 1; i++) {
+        const int here = 3 * i + 1, next = here + 3;
+        if (i % WIDTH < WIDTH - 1 && through[here] < 0.01f && through[next] < 0.01f) {
+            sum += fabs((double)few[here] / (double)many[here] - (double)few[next] / (double)many[next]);
+            ++*pixels;
+        }
+    }
+    return sum / fmax(*pixels, 1.0);
+}
+
+/* Too few steps leave a base dark or light by what happens to stand at one place of each. */
+static void bases_of_cumulus_have_no_blotches(void **state) {
+    (void)state;
+    fixture f;
+    fixture_init(&f, false);
+    const velum_layer heaps = fixture_layer(VELUM_GENUS_CU, 0.3f, 1200.0f, 1900.0f);
+    fixture_commit(&f, &heaps, 1);
+    const int32_t qualities[] = {VELUM_QUALITY_LOW, VELUM_QUALITY_MEDIUM, VELUM_QUALITY_HIGH};
+    const double bounds[] = {0.035, 0.02, 0.008};
+    for (int q = 0; q < 3; q++) {
+        const scene s = {.height_m = 700.0,
+                         .pitch_deg = 22.0,
+                         .sun_deg = 48.0,
+                         .albedo = 0.1f,
+                         .quality = qualities[q],
+                         .atmosphere = VELUM_ATMOSPHERE_EARTH};
+        int pixels;
+        const double found = blotches(&f, s, &pixels);
+        print_message("preset %d: %d pixels of cumulus from below, from one to the next %.4f apart in what few steps "
+                      "are off by\n",
+                      (int)qualities[q], pixels, found);
+        assert_true(pixels > PIXELS / 5);
+        assert_true(found < bounds[q]);
+    }
+    fixture_finish(&f);
+}
+
 /* A step from far above may not pass over a layer. */
 static void cloud_is_met_from_any_height(void **state) {
     (void)state;
@@ -387,6 +443,7 @@ int main(void) {
                                        cmocka_unit_test(tongues_before_near_walls_have_no_sparks),
                                        cmocka_unit_test(veils_under_a_low_sun_have_no_sparks),
                                        cmocka_unit_test(walls_of_storms_show_their_lumps_in_the_shade),
+                                       cmocka_unit_test(bases_of_cumulus_have_no_blotches),
                                        cmocka_unit_test(cloud_is_met_from_any_height),
                                        cmocka_unit_test(cloud_shades_the_air_under_a_low_sun),
                                        cmocka_unit_test(air_is_as_bright_as_its_reference)};
