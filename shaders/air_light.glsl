@@ -493,21 +493,26 @@ sky_light sky_light_at(vec2 texel) {
     return sky;
 }
 
-/* Of all the way, in [0, 1], that to a column of the depths of clean air and haze: finest at both ends. */
+/* Of all the way, in [0, 1], that to a column of the extinctions of clean air and haze: finest at both ends. */
 float sky_share_of(int column) {
     return 0.5 - 0.5 * cos(PI * float(column) / float(VELUM_SKY_SHARES - 1));
 }
 
-/* Transmittance of air and fog before what stands so far along a ray from the eye; `ground_m`: as of ground_distance. */
-vec3 air_before(vec3 d, float row, float ground_m, float distance_m) {
-    vec2 eyes = vec2(eye.up.w, dot(d, eye.up.xyz));
-    float way_m = ground_m >= 0.0 ? ground_m : along_to(eyes.x, eyes.y, VELUM_AIR_TOP_M, true);
-    float share = distance_m / max(way_m, 1.0);
-    float column = acos(1.0 - 2.0 * clamp(share, 0.0, 1.0)) * (float(VELUM_SKY_SHARES - 1) / PI);
+/* The table's unit of extinction: what a kilometre has, for halves. */
+const float sky_length_m = 1000.0;
+
+/* Transmittance of air and fog before what stands so far along a ray that begins near the eye; `ground_m`: as of
+ * ground_distance. */
+vec3 air_before(vec2 start, float row, float ground_m, float distance_m) {
+    float space_m = along_to(start.x, start.y, VELUM_AIR_TOP_M, true);
+    float way_m = ground_m >= 0.0 ? ground_m : space_m;
+    distance_m = min(distance_m, space_m);
+    float share = clamp(distance_m / max(way_m, 1.0), 0.0, 1.0);
+    float column = acos(1.0 - 2.0 * share) * (float(VELUM_SKY_SHARES - 1) / PI);
     vec2 texel = vec2(float(VELUM_SKY_W) + 2.5 + column, row);
-    vec3 clear = textureLod(sky_table, texel / sky_size, 0.0).rgb * share;
-    vec2 there = along_ray(eyes.x, eyes.y, distance_m);
-    return exp(-clear - fog_between(eyes.x, eyes.y, there.x, there.y, distance_m));
+    vec3 clear_1_m = textureLod(sky_table, texel / sky_size, 0.0).rgb / sky_length_m;
+    vec2 there = along_ray(start.x, start.y, distance_m);
+    return exp(-clear_1_m * distance_m - fog_between(start.x, start.y, there.x, there.y, distance_m));
 }
 
 /* Light of cloud so far away, and of the air before it: it dims, and shines in the share that the cloud covers. */

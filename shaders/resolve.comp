@@ -482,8 +482,8 @@ void main() {
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
             air = air_between(near.x, near.y, there.x, there.y, before_m);
             air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
-        } else if (has_depth) {
-            air = air_before(ray.direction, texel.y, ground, hit);
+        } else if (has_depth && host) {
+            air = air_before(start_by_eye(ray.origin, ray.direction), texel.y, ground, hit);
         }
         air = host ? air : whole;
         /* Of the light of all the way, the share before what is hit. */

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-/* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Last columns,
- * two alike: optical depth of that way; then, without fog's, of shares of it, over those (sky_share_of). Last row: mean luminance of the half world above (texels 0..31) and below
- * (32..63), at the levels of shared/shade.h; then the same of even halves of as much flux (64..127). */
+/* The sky from an eye, cd/m2 over VELUM_LUMINANCE_UNIT: to space above the horizon, to the ground below it. Then two
+ * columns, alike: optical depth of that way; then mean extinction, over sky_length_m, of clean air and haze as far as
+ * shares of it (sky_share_of). Last row: mean luminance of the half world above (texels 0..31) and below (32..63), at the
+ * levels of shared/shade.h; then the same of even halves of as much flux (64..127). */
 #include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_SKY_OUT, rgba16f) uniform writeonly image2D sky_out;
@@ -101,7 +102,7 @@ const float black = 1e-6;
 /* Of clean air and haze so far along a ray that begins at such a height with such a cosine. */
 vec3 clear_depth(vec2 near, float way_m) {
     vec2 far = along_ray(near.x, near.y, way_m);
-    float low_m = clamp(-VELUM_WGS84_A_M * near.y, 0.0, way_m);
+    float low_m = clamp(-VELUM_WGS84_A_M * near.y, 0.0, max(way_m, 0.0));
     vec3 clean = vec3(0.0);
     float before_m = 0.0;
     const int steps = 24;
@@ -138,7 +139,7 @@ void main() {
             float y = 2.0 * place.y - 1.0;
             zenith = edge * (1.0 - y * y);
         }
-        float azimuth = place.x * place.x * PI;
+        float azimuth = min(place.x * place.x, 1.0) * PI;
         vec3 sun_side = towards_sun(up);
         vec3 across = cross(up, sun_side);
         vec3 d = up * cos(zenith) + (sun_side * cos(azimuth) + across * sin(azimuth)) * sin(zenith);
@@ -149,10 +150,10 @@ void main() {
             vec2 near = into_air(start_of(vec3(0.0), d), enter_m);
             result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
             if (texel.x >= VELUM_SKY_W + 2) {
-                float all_m = to_ground ? start + distance_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
-                float share = sky_share_of(texel.x - (VELUM_SKY_W + 2));
+                float all_m = to_ground ? distance_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+                float way_m = all_m * sky_share_of(texel.x - (VELUM_SKY_W + 2));
                 vec3 here_1_m = air_extinction_1_m(near.x) + haze_extinction_1_m(near.x);
-                result = share > 0.0 ? clear_depth(near, share * all_m) / share : here_1_m * all_m;
+                result = sky_length_m * (way_m > 1.0 ? clear_depth(near, way_m) / way_m : here_1_m);
             }
         } else {
             air_light light = air_march(d * start, d, distance_m, 24, true);
