@@ -111,8 +111,7 @@ float fog_between(float h0, float mu0, float h1, float mu1, float distance_m) {
     return low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0;
 }
 
-/* Of clean air between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1; of way that is short
- * it has no digits. */
+/* Of clean air between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
 vec3 clean_between(float h0, float mu0, float h1, float mu1) {
     bool rises = mu0 + mu1 >= 0.0;
     vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
