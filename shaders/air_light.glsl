@@ -81,47 +81,47 @@ float haze_to_space(float height_m, float mu) {
 /* Longer ways bend round the planet; on shorter ones what is left of two ways to space has no digits. */
 const float straight_m = 60000.0;
 
-/* Depth of haze between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
-float haze_between(float h0, float mu0, float h1, float mu1, float distance_m) {
-    bool rises = mu0 + mu1 >= 0.0;
-    float low = rises ? h0 : h1;
-    float high = rises ? h1 : h0;
-    float rise = high - low;
-    float straight = abs(rise) < 1.0 ? haze_extinction_1_m(low) : (haze_under(high) - haze_under(low)) / rise;
-    float haze = distance_m < straight_m
-                     ? straight * distance_m
-                     : haze_to_space(low, rises ? mu0 : -mu1) - haze_to_space(high, rises ? mu1 : -mu0);
+/* Of a ray, turned so that it rises: heights of two places and cosines of its zenith angle there. */
+struct air_stretch {
+    float low, high, mu_low, mu_high;
+};
+air_stretch stretch_of(vec2 from, vec2 to) {
+    bool rises = from.y + to.y >= 0.0;
+    return air_stretch(rises ? from.x : to.x, rises ? to.x : from.x, rises ? from.y : -to.y, rises ? to.y : -from.y);
+}
+
+/* Depth of haze between the places of a stretch, so far apart. */
+float haze_between(air_stretch s, float distance_m) {
+    float rise = s.high - s.low;
+    float straight = abs(rise) < 1.0 ? haze_extinction_1_m(s.low) : (haze_under(s.high) - haze_under(s.low)) / rise;
+    float haze = distance_m < straight_m ? straight * distance_m
+                                         : haze_to_space(s.low, s.mu_low) - haze_to_space(s.high, s.mu_high);
     return max(haze, 0.0);
 }
 
 /* Of fog: it ends at its top. */
-float fog_between(float h0, float mu0, float h1, float mu1, float distance_m) {
-    bool rises = mu0 + mu1 >= 0.0;
-    float low = rises ? h0 : h1;
-    float high = rises ? h1 : h0;
-    float mu_low = rises ? mu0 : -mu1;
+float fog_between(air_stretch s, float distance_m) {
     float top_m = eye.drift.z;
-    float under_m = max(top_m - low, 0.0);
-    float to_top = sqrt(mu_low * mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - mu_low;
+    float under_m = max(top_m - s.low, 0.0);
+    float to_top = sqrt(s.mu_low * s.mu_low + 2.0 * under_m / VELUM_WGS84_A_M) - s.mu_low;
     float inside_m = min(distance_m, VELUM_WGS84_A_M * to_top);
-    float end_m = min(high, top_m);
-    float climb = end_m - low;
-    float fog = abs(climb) < 1.0 ? velum_fog_density(low, top_m)
-                                 : (velum_fog_column_m(end_m, top_m) - velum_fog_column_m(low, top_m)) / climb;
-    return low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0;
+    float end_m = min(s.high, top_m);
+    float climb = end_m - s.low;
+    float fog = abs(climb) < 1.0 ? velum_fog_density(s.low, top_m)
+                                 : (velum_fog_column_m(end_m, top_m) - velum_fog_column_m(s.low, top_m)) / climb;
+    return s.low < top_m ? eye.drift.y * max(fog, 0.0) * max(inside_m, 0.0) : 0.0;
 }
 
-/* Of clean air between a point at height h0 with ray cosine mu0 and one at height h1, cosine mu1. */
-vec3 clean_between(float h0, float mu0, float h1, float mu1) {
-    bool rises = mu0 + mu1 >= 0.0;
-    vec3 through = air_to_space(rises ? h0 : h1, rises ? mu0 : -mu1);
-    vec3 beyond = air_to_space(rises ? h1 : h0, rises ? mu1 : -mu0);
+/* Transmittance of clean air. */
+vec3 clean_between(air_stretch s) {
+    vec3 through = air_to_space(s.low, s.mu_low);
+    vec3 beyond = air_to_space(s.high, s.mu_high);
     return clamp(through / max(beyond, vec3(1e-6)), vec3(0.0), vec3(1.0));
 }
 /* With haze and fog. */
-vec3 air_between(float h0, float mu0, float h1, float mu1, float distance_m) {
-    float dust = haze_between(h0, mu0, h1, mu1, distance_m) + fog_between(h0, mu0, h1, mu1, distance_m);
-    return eye.ground.w == 0.0 ? vec3(1.0) : clean_between(h0, mu0, h1, mu1) * exp(-dust);
+vec3 air_between(air_stretch s, float distance_m) {
+    float dust = haze_between(s, distance_m) + fog_between(s, distance_m);
+    return eye.ground.w == 0.0 ? vec3(1.0) : clean_between(s) * exp(-dust);
 }
 
 /* Height and cosine of the zenith angle so far along a ray that starts at height h0 with cosine mu0, on a sphere: for
@@ -158,11 +158,14 @@ vec2 into_air(vec2 start, out float enter_m) {
     return enter_m > 0.0 ? along_ray(start.x, start.y, enter_m) : start;
 }
 
-/* Of all the way from there: to the ground, so far along the ray, or (below 0) to space. */
+/* All the way from there: to the ground, so far along the ray, or (below 0) to space. */
+float air_way_m(vec2 near, float enter_m, float ground_m) {
+    return ground_m >= 0.0 ? ground_m - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+}
 vec3 air_along(vec2 near, float enter_m, float ground_m) {
-    float way_m = ground_m >= 0.0 ? ground_m - enter_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
+    float way_m = air_way_m(near, enter_m, ground_m);
     vec2 far = along_ray(near.x, near.y, max(way_m, 0.0));
-    return enter_m < 0.0 ? vec3(1.0) : air_between(near.x, near.y, far.x, far.y, way_m);
+    return enter_m < 0.0 ? vec3(1.0) : air_between(stretch_of(near, far), way_m);
 }
 
 float phase_rayleigh(float c) {
@@ -503,15 +506,14 @@ const float sky_length_m = 1000.0;
 /* Transmittance of air and fog before what stands so far along a ray that begins near the eye; `ground_m`: as of
  * ground_distance. */
 vec3 air_before(vec2 start, float row, float ground_m, float distance_m) {
-    float space_m = along_to(start.x, start.y, VELUM_AIR_TOP_M, true);
-    float way_m = ground_m >= 0.0 ? ground_m : space_m;
-    distance_m = min(distance_m, space_m);
+    float way_m = air_way_m(start, 0.0, ground_m);
+    distance_m = ground_m >= 0.0 ? distance_m : min(distance_m, way_m);
     float share = clamp(distance_m / max(way_m, 1.0), 0.0, 1.0);
     float column = acos(1.0 - 2.0 * share) * (float(VELUM_SKY_SHARES - 1) / PI);
     vec2 texel = vec2(float(VELUM_SKY_W) + 2.5 + column, row);
     vec3 clear_1_m = textureLod(sky_table, texel / sky_size, 0.0).rgb / sky_length_m;
     vec2 there = along_ray(start.x, start.y, distance_m);
-    return exp(-clear_1_m * distance_m - fog_between(start.x, start.y, there.x, there.y, distance_m));
+    return exp(-clear_1_m * distance_m - fog_between(stretch_of(start, there), distance_m));
 }
 
 /* Light of cloud so far away, and of the air before it: it dims, and shines in the share that the cloud covers. */

@@ -480,7 +480,7 @@ void main() {
             whole = air_along(near, enter_m, ground);
             float before_m = hit - enter_m;
             vec2 there = along_ray(near.x, near.y, max(before_m, 0.0));
-            air = air_between(near.x, near.y, there.x, there.y, before_m);
+            air = air_between(stretch_of(near, there), before_m);
             air = before_m > 0.0 && enter_m >= 0.0 ? air : vec3(1.0);
         } else if (has_depth && host) {
             air = air_before(start_by_eye(ray.origin, ray.direction), texel.y, ground, hit);

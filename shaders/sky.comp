@@ -101,8 +101,8 @@ const float black = 1e-6;
 
 /* Of clean air and haze so far along a ray that begins at such a height with such a cosine. */
 vec3 clear_depth(vec2 near, float way_m) {
-    vec2 far = along_ray(near.x, near.y, way_m);
-    float low_m = clamp(-VELUM_WGS84_A_M * near.y, 0.0, max(way_m, 0.0));
+    air_stretch whole = stretch_of(near, along_ray(near.x, near.y, way_m));
+    float low_m = clamp(-VELUM_WGS84_A_M * near.y, 0.0, way_m);
     vec3 clean = vec3(0.0);
     float before_m = 0.0;
     const int steps = 24;
@@ -112,8 +112,8 @@ vec3 clear_depth(vec2 near, float way_m) {
         clean += air_extinction_1_m(height_m) * (to_m - before_m);
         before_m = to_m;
     }
-    vec3 longer = -log(max(clean_between(near.x, near.y, far.x, far.y), vec3(black)));
-    return (way_m < straight_m ? clean : longer) + haze_between(near.x, near.y, far.x, far.y, way_m);
+    vec3 longer = -log(max(clean_between(whole), vec3(black)));
+    return (way_m < straight_m ? clean : longer) + haze_between(whole, way_m);
 }
 
 void main() {
@@ -148,10 +148,12 @@ void main() {
         if (texel.x >= VELUM_SKY_W) {
             float enter_m;
             vec2 near = into_air(start_of(vec3(0.0), d), enter_m);
-            result = -log(max(air_along(near, enter_m, to_ground ? start + distance_m : -1.0), vec3(black)));
-            if (texel.x >= VELUM_SKY_W + 2) {
-                float all_m = to_ground ? distance_m : along_to(near.x, near.y, VELUM_AIR_TOP_M, true);
-                float way_m = all_m * sky_share_of(texel.x - (VELUM_SKY_W + 2));
+            float ground_m = to_ground ? start + distance_m : -1.0;
+            if (texel.x < VELUM_SKY_W + 2) {
+                result = -log(max(air_along(near, enter_m, ground_m), vec3(black)));
+            } else {
+                float share = sky_share_of(texel.x - (VELUM_SKY_W + 2));
+                float way_m = share * air_way_m(near, max(enter_m, 0.0), ground_m);
                 vec3 here_1_m = air_extinction_1_m(near.x) + haze_extinction_1_m(near.x);
                 result = sky_length_m * (way_m > 1.0 ? clear_depth(near, way_m) / way_m : here_1_m);
             }
