@@ -117,7 +117,7 @@ static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, 
     }
     float noise = velum_scud_noise(detail_of(cloud, f, (const float(*)[4])lumps, 1.0f, point_m),
                                    fine ? core_cloud_fine(cloud, f, point_m) : 0.5f);
-    return velum_scud_1_m(*f, *g, e, height_m, noise) + velum_band_1_m(profile, *f, *g, e, height_m);
+    return velum_scud_1_m(profile, *f, *g, e, height_m, noise) + velum_band_1_m(profile, *f, *g, e, height_m);
 }
 
 static float fall_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,

@@ -1,5 +1,5 @@
-/* The two tiling noises of shared/density.h. Made from integer lattices: the same on every machine that rounds floats
- * to nearest. */
+/* The two tiling noises of shared/density.h. Made from integer lattices when Velum is built (noise_make.h): the same on
+ * every machine that rounds floats to nearest. */
 #ifndef VELUM_CORE_NOISE_H
 #define VELUM_CORE_NOISE_H
 
@@ -18,9 +18,8 @@ typedef struct core_noise {
     uint8_t detail[CORE_NOISE_DETAIL_BYTES];
 } core_noise;
 
-/* Null: out of memory. */
-core_noise *core_noise_create(void);
-void core_noise_destroy(core_noise *noise); /* null is legal */
+/* Constant; shared by all. */
+const core_noise *core_noise_built(void);
 
 /* 0..1, period 1, filtered as Vulkan's linear filter with repeat does. */
 float core_noise_shape(const core_noise *noise, float x, float y, float z);

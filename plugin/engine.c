@@ -114,10 +114,6 @@ velum_result engine_create(const velum_vulkan_lend *lend, world *w, bool arrays,
         free(e);
         return result;
     }
-    if (!world_noise(w)) {
-        result = log_fail(&sink, VELUM_ERROR_OUT_OF_MEMORY, "engine", "create_engine: no memory for the noise");
-        goto error;
-    }
     result = pipelines_init(&e->passes, &e->g, lend->pipeline_cache, lend->pipeline_cache_size, arrays);
     if (result < 0) {
         goto error;

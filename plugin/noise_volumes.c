@@ -1,4 +1,5 @@
 /* The noise volumes and the white texel: on the device once, with the first frame. */
+#include "core/noise.h"
 #include "engine.h"
 
 /* 16 bits: devices may filter 8-bit textures in 8 bits, and the picture would part from the CPU's answers. */
@@ -41,10 +42,10 @@ static void widen(const uint8_t *texels, uint32_t count, uint16_t *out) {
 
 /* A buffer of its own, for this frame alone: the stage of a frame would be larger than any later one asks for. */
 velum_result noise_volumes_record(engine *e, VkCommandBuffer commands) {
-    const core_noise *noise = world_noise(e->w);
+    const core_noise *noise = core_noise_built();
     const VkDeviceSize bytes = (SHAPE_TEXELS + DETAIL_TEXELS + 2) * sizeof(uint16_t);
-    if (!noise || (!e->noise_upload.buffer && !gpu_buffer_init(&e->g, &e->noise_upload, bytes,
-                                                               VK_BUFFER_USAGE_TRANSFER_SRC_BIT, GPU_MEMORY_UPLOAD))) {
+    if (!e->noise_upload.buffer &&
+        !gpu_buffer_init(&e->g, &e->noise_upload, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, GPU_MEMORY_UPLOAD)) {
         return log_fail(&e->sink, VELUM_ERROR_OUT_OF_MEMORY, "engine",
                         "record_shared: no memory for the noise volumes");
     }

@@ -36,13 +36,14 @@ velum_result reference_enable(engine *e) {
         if (!gpu_buffer_init(g, &e->noise_slope, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, GPU_MEMORY_UPLOAD)) {
             return gpu_result(g);
         }
-        if (!core_noise_slope(world_noise(e->w), e->noise_slope.mapped) ||
-            !core_noise_away(world_noise(e->w), (uint8_t *)e->noise_slope.mapped + VELUM_SLOPE_BYTES)) {
+        const core_noise *noise = core_noise_built();
+        if (!core_noise_slope(noise, e->noise_slope.mapped) ||
+            !core_noise_away(noise, (uint8_t *)e->noise_slope.mapped + VELUM_SLOPE_BYTES)) {
             gpu_buffer_finish(g, &e->noise_slope);
             g->result = VK_ERROR_OUT_OF_HOST_MEMORY;
             return gpu_result(g);
         }
-        e->detail_slope = core_noise_detail_slope(world_noise(e->w));
+        e->detail_slope = core_noise_detail_slope(noise);
     }
     return pages_want_bounds(&e->pages, g) ? VELUM_OK : gpu_result(g);
 }

@@ -44,7 +44,6 @@ velum_result world_destroy(world *w) {
     }
     handle_destroy(w->handle);
     core_tile_cache_destroy(w->cache);
-    core_noise_destroy(w->noise);
     core_timeline_finish(&w->timeline);
     for (uint32_t i = 0; i < w->state_count; i++) {
         core_state_unref(w->states[i].state);
@@ -228,16 +227,6 @@ core_tile *world_tile(world *w, const core_state *state, uint32_t key, bool rast
     }
     pthread_mutex_unlock(&w->mutex);
     return tile;
-}
-
-const core_noise *world_noise(world *w) {
-    pthread_mutex_lock(&w->mutex);
-    if (!w->noise) {
-        w->noise = core_noise_create();
-    }
-    const core_noise *noise = w->noise;
-    pthread_mutex_unlock(&w->mutex);
-    return noise;
 }
 
 bool world_is_prepared(world *w) {

@@ -7,7 +7,6 @@
 #include <stdatomic.h>
 #include <velum/world.h>
 
-#include "core/noise.h"
 #include "core/tile_cache.h"
 #include "core/tile_set.h"
 #include "core/timeline.h"
@@ -32,8 +31,7 @@ typedef struct world {
     uint64_t revision;
     core_timeline timeline;
     core_tile_cache *cache;
-    core_noise *noise; /* made when first needed */
-    bool prepared;     /* the host calls prepare(): frames leave the work to it */
+    bool prepared; /* the host calls prepare(): frames leave the work to it */
 } world;
 
 /* What holds at a time. */
@@ -50,8 +48,6 @@ void world_weather_finish(world_weather *weather);
 /* For [render]: the tile with a reference, or null where it is not rasterised and `rasterise` is false. */
 core_tile *world_tile(world *w, const core_state *state, uint32_t key, bool rasterise, bool *rasterised);
 bool world_is_prepared(world *w);
-/* The noise volumes, as long as the world lives. Null: out of memory. */
-const core_noise *world_noise(world *w);
 
 /* Detail of tiles, as in velum_tile_level, of all eyes. */
 #define WORLD_TILE_DETAIL 1.0f

@@ -18,21 +18,16 @@ static core_tile *tile_of(void *context, const core_state *state, uint32_t key) 
     return world_tile(context, state, key, true, &rasterised);
 }
 
-static velum_result open_session(world *w, double time_s, session *out) {
+static void open_session(world *w, double time_s, session *out) {
     *out = (session){0};
-    const core_noise *noise = world_noise(w);
-    if (!noise) {
-        return log_fail(&w->sink, VELUM_ERROR_OUT_OF_MEMORY, "world", "query: no memory for the noise");
-    }
     world_weather_at(w, time_s, &out->weather);
-    out->oracle = (core_oracle){.noise = noise,
+    out->oracle = (core_oracle){.noise = core_noise_built(),
                                 .state = {out->weather.state[0], out->weather.state[1]},
                                 .blend = out->weather.blend,
                                 .drift = core_drift_at(time_s, w->seed),
                                 .detail = WORLD_TILE_DETAIL,
                                 .tile = tile_of,
                                 .tile_context = w};
-    return VELUM_OK;
 }
 
 velum_result world_query_point(world *w, const velum_point_query *query, velum_point_answer *out) {
@@ -46,13 +41,10 @@ velum_result world_query_point(world *w, const velum_point_query *query, velum_p
         return check.result;
     }
     session s;
-    velum_result result = open_session(w, q.time_s, &s);
-    if (result < 0) {
-        return result;
-    }
+    open_session(w, q.time_s, &s);
     core_oracle_point point;
     core_error error = {0};
-    result = core_oracle_at(&s.oracle, q.position_ecef_m, q.footprint_m, &point, &error);
+    velum_result result = core_oracle_at(&s.oracle, q.position_ecef_m, q.footprint_m, &point, &error);
     world_weather_finish(&s.weather);
     if (result < 0) {
         check_fail(&check, result, "%s", error.text);
@@ -93,14 +85,12 @@ velum_result world_query_line(world *w, const velum_line_query *query, velum_lin
         return check.result;
     }
     session s;
-    velum_result result = open_session(w, q.time_s, &s);
-    if (result < 0) {
-        return result;
-    }
+    open_session(w, q.time_s, &s);
     core_oracle_line line;
     core_error error = {0};
     float contact_1_m = q.contact_extinction_1_m > 0.0f ? q.contact_extinction_1_m : 1e-4f;
-    result = core_oracle_along(&s.oracle, q.from_ecef_m, q.to_ecef_m, q.footprint_m, contact_1_m, &line, &error);
+    velum_result result =
+        core_oracle_along(&s.oracle, q.from_ecef_m, q.to_ecef_m, q.footprint_m, contact_1_m, &line, &error);
     world_weather_finish(&s.weather);
     if (result < 0) {
         check_fail(&check, result, "%s", error.text);

@@ -75,7 +75,7 @@ float hem_extinction(int slot, velum_slot_fields f, velum_profile profile, velum
     float extinction = velum_band_1_m(profile, f, g, e, h);
     if (g.scud > 0.0) {
         float noise = velum_scud_noise(scud_lumps(slot, f, r), fine ? fine_noise(slot, f, r) : 0.5);
-        extinction += velum_scud_1_m(f, g, e, h, noise);
+        extinction += velum_scud_1_m(profile, f, g, e, h, noise);
     }
     return extinction;
 }

@@ -65,6 +65,7 @@ VELUM_STRUCT(velum_fringe) {
 #define VELUM_SCUD_LOWEST 0.3f
 #define VELUM_SCUD_OVER_M 60.0f /* into the cloud, no more than a share of it */
 #define VELUM_SCUD_OVER 0.12f
+#define VELUM_SCUD_HANGS_M 240.0f /* so much lower ends what has no cloud over it */
 #define VELUM_SCUD_SHARE 0.5f
 #define VELUM_SCUD_MOST_1_M 0.04f
 #define VELUM_SCUD_RIM 0.15f /* excess rank */
@@ -200,16 +201,19 @@ VELUM_FN float velum_scud_noise(float lump, float fine) {
     return velum_mix(lump, fine, VELUM_SCUD_FINE);
 }
 
-/* Extinction of scud, 1/m, at a height of a column of excess rank e. Never less for more scud. */
-VELUM_FN float velum_scud_1_m(velum_slot_fields f, velum_fringe g, float e, float height_m, float noise) {
+/* Extinction of scud, 1/m, at a height of a column of excess rank e. Never less for more scud. It comes up to the base where
+ * cloud stands over it, whatever most lumps carve off its foot; at that one's rim there is less, hanging lower. */
+VELUM_FN float velum_scud_1_m(velum_profile p, velum_slot_fields f, velum_fringe g, float e, float height_m, float noise) {
     velum_span_m span = velum_scud_span(f, g);
     float depth_m = f.base_m - height_m;
+    float rim = VELUM_MAX(velum_carve(p, 0.0f, -0.5f, 0.5f), VELUM_SCUD_RIM);
+    float under = velum_smoothstep(0.0f, rim, e - velum_threshold(p, 0.0f));
     float deep = velum_clamp(depth_m / VELUM_MAX(f.base_m - span.low, 1.0f), 0.0f, 1.0f);
-    float above = velum_smoothstep(0.0f, VELUM_MAX(span.high - f.base_m, 1.0f), -depth_m);
-    float amount = g.scud * (1.0f - deep) * (1.0f - above);
+    float over_m = VELUM_SCUD_HANGS_M * (1.0f - under) - depth_m;
+    float above = velum_smoothstep(0.0f, VELUM_MAX(span.high - f.base_m, 1.0f), over_m);
+    float amount = g.scud * under * (1.0f - deep) * (1.0f - above);
     float margin = noise - 1.0f + VELUM_SCUD_FULL * VELUM_SQRT(VELUM_MAX(amount, 0.0f));
-    float under = velum_smoothstep(0.0f, VELUM_SCUD_RIM, e);
-    return velum_scud_most_1_m(f, g) * under * velum_smoothstep(0.0f, VELUM_SCUD_SOFTNESS, margin);
+    return velum_scud_most_1_m(f, g) * velum_smoothstep(0.0f, VELUM_SCUD_SOFTNESS, margin);
 }
 
 /* Extinction of the transition band, 1/m, at a height of a column of excess rank e: falls with the square of the way

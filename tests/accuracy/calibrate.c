@@ -265,17 +265,14 @@ int main(int argc, char **argv) {
         {"Ci", VELUM_SLOT_HIGH, 0.5f, &column_cases[8]},    {"Cc", VELUM_SLOT_HIGH, 1.0f, &column_cases[9]},
     };
     row rows[KINDS];
-    core_noise *noise = core_noise_create();
-    bool ok = noise != NULL;
-    if (ok && argc > 2) {
-        ok = measure_named(noise, knots, argv + 2, argc - 2);
-        core_noise_destroy(noise);
-        return ok ? 0 : 1;
+    const core_noise *noise = core_noise_built();
+    if (argc > 2) {
+        return measure_named(noise, knots, argv + 2, argc - 2) ? 0 : 1;
     }
+    bool ok = true;
     for (int k = 0; k < KINDS && ok; k++) {
         ok = measure_kind(noise, &knots[k], &rows[k]);
     }
-    core_noise_destroy(noise);
     FILE *file = ok ? fopen(argv[1], "w") : NULL;
     if (!file) {
         fprintf(stderr, "velum-calibrate: %s\n", ok ? "cannot write the output" : "no memory");

@@ -17,10 +17,7 @@ int main(int argc, char **argv) {
     int more = argc > 2 ? atoi(argv[2]) : 0;
     n = n < 8 ? 8 : n > 1000 ? 1000 : n;
     more = more < 0 ? 0 : more > 10000 ? 10000 : more;
-    core_noise *noise = core_noise_create();
-    if (!noise) {
-        return 1;
-    }
+    const core_noise *noise = core_noise_built();
     printf("genus okta  coverage  worst-error  water/asked (min max)  base-error (min max) m  top-error (min max) m\n");
     int failures = 0;
     int rows = 0;
@@ -41,7 +38,6 @@ int main(int argc, char **argv) {
                 double lon = p < 5 ? places[p][1] : 360.0 * (double)velum_hash_unit(velum_hash_2(i, 2)) - 180.0;
                 column_stats s;
                 if (!columns_measure(noise, &column_cases[k], coverage, lat, lon, 50000.0, n, 64, &s)) {
-                    core_noise_destroy(noise);
                     return 1;
                 }
                 sum += s.coverage;
@@ -64,6 +60,5 @@ int main(int argc, char **argv) {
         }
     }
     printf("%d of %d outside the bounds (0.02, 5 %%, 10 m)\n", failures, rows);
-    core_noise_destroy(noise);
     return failures > 0 || rows == 0;
 }

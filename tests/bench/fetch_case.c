@@ -63,14 +63,13 @@ static bool bank_init(bank *k, const bench *b) {
     *k = d->is_processor ? (bank){.rays = RAYS_ACROSS * 96, .fetches_a_ray = 256}
                          : (bank){.rays = RAYS_ACROSS * 6144, .fetches_a_ray = 4096};
     k->out = malloc(k->rays * sizeof *k->out);
-    core_noise *noise = core_noise_create();
-    bool ok = k->out && noise && compute_borrow(&k->device, d->instance, d->physical, d->device, d->family) &&
+    const core_noise *noise = core_noise_built();
+    bool ok = k->out && compute_borrow(&k->device, d->instance, d->physical, d->device, d->family) &&
               noise_texture_create(&k->device, VK_FORMAT_R16_UNORM, CORE_NOISE_SHAPE_SIDE, noise->shape,
                                    &k->textures[SHAPE]) &&
               noise_texture_create(&k->device, VK_FORMAT_R16_UNORM, CORE_NOISE_DETAIL_SIDE, noise->detail,
                                    &k->textures[DETAIL]) &&
               create_pages(k);
-    core_noise_destroy(noise);
     if (!ok) {
         bank_finish(k);
         bench_fail(b, "textures", VELUM_ERROR_OUT_OF_MEMORY);

@@ -14,13 +14,8 @@
 static const double places[4][2] = {{0.3, 10.2}, {45.0, 8.0}, {90.0, 0.0}, {20.0, 180.0}};
 static const int oktas[5] = {1, 3, 5, 7, 8};
 
-static int make_noise(void **state) {
-    *state = core_noise_create();
-    return *state ? 0 : -1;
-}
-
-static int drop_noise(void **state) {
-    core_noise_destroy(*state);
+static int find_noise(void **state) {
+    *state = (void *)(uintptr_t)core_noise_built();
     return 0;
 }
 
@@ -164,5 +159,5 @@ int main(void) {
         cmocka_unit_test(other_layers_hold_what_was_asked_for),
         cmocka_unit_test(squares_hold_what_was_asked_for),
     };
-    return cmocka_run_group_tests_name("coverage", tests, make_noise, drop_noise);
+    return cmocka_run_group_tests_name("coverage", tests, find_noise, NULL);
 }

@@ -145,7 +145,7 @@ static void it_falls_only_from_thick_columns_and_within_its_bounds(void **state)
                 for (int n = 0; n <= 4; n++) {
                     const float noise = 0.25f * (float)n;
                     const float rain = velum_fall_1_m(p, f, g, e, h, noise);
-                    const float rags = velum_scud_1_m(f, g, e, h, noise);
+                    const float rags = velum_scud_1_m(p, f, g, e, h, noise);
                     assert_true(rain >= 0.0f && rain <= velum_fall_most_1_m(g));
                     assert_true(rags >= 0.0f && rags <= velum_scud_most_1_m(f, g));
                     assert_true(rain == 0.0f || (h >= fall.low && h <= fall.high && e > 0.0f));
@@ -177,6 +177,7 @@ static void bands_lie_under_towers(void **state) {
 static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state) {
     (void)state;
     const velum_slot_fields f = fields_of(1.0f, 900.0f, 1800.0f, 0.06f, VELUM_KIND_SC);
+    const velum_profile p = velum_profile_of(VELUM_SLOT_LOW, f);
     double last_sum = 0.0;
     float last_low_m = 1e9f;
     for (int s = 0; s <= 10; s++) {
@@ -187,8 +188,8 @@ static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state)
         for (float h = 300.0f; h < 1000.0f; h += 5.0f) {
             for (int n = 0; n <= 20; n++) {
                 const float noise = 0.05f * (float)n;
-                const float now = velum_scud_1_m(f, g, 0.5f, h, noise);
-                assert_true(now >= velum_scud_1_m(f, less, 0.5f, h, noise));
+                const float now = velum_scud_1_m(p, f, g, 0.5f, h, noise);
+                assert_true(now >= velum_scud_1_m(p, f, less, 0.5f, h, noise));
                 assert_true(s > 0 || now == 0.0f);
                 sum += (double)now;
                 low_m = now > 0.0f ? fminf(low_m, h) : low_m;
@@ -199,6 +200,34 @@ static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state)
         last_low_m = low_m;
     }
     assert_true(last_low_m < 600.0f && last_low_m >= 400.0f); /* 500 m under the base at most */
+}
+
+/* What has no cloud over it ends in the air, the lower the farther out it hangs, and not flat at the base. */
+static void scud_ends_in_the_air_where_no_cloud_is_over_it(void **state) {
+    (void)state;
+    static const struct {
+        int slot;
+        float kind;
+    } kinds[] = {{VELUM_SLOT_LOW, VELUM_KIND_SC}, {VELUM_SLOT_CUMULUS, 0.0f}, {VELUM_SLOT_STORM, VELUM_KIND_CB}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        const velum_slot_fields f = fields_of(0.6f, 900.0f, 3000.0f, 0.06f, kinds[i].kind);
+        const velum_profile p = velum_profile_of(kinds[i].slot, f);
+        const velum_fringe g = {.scud = 1.0f};
+        const float foot = velum_threshold(p, 0.0f) + velum_carve(p, 0.0f, 0.0f, 0.5f);
+        float last_top_m = 0.0f;
+        for (int k = 1; k <= 10; k++) {
+            const float e = foot * 0.1f * (float)k;
+            float top_m = 0.0f;
+            for (float h = 300.0f; h < 1000.0f; h += 2.0f) {
+                top_m = velum_scud_1_m(p, f, g, e, h, 0.8f) > 0.0f ? h : top_m;
+            }
+            assert_true(top_m >= last_top_m);
+            assert_true(k > 5 || top_m < f.base_m - 60.0f);
+            last_top_m = top_m;
+        }
+        assert_true(last_top_m > f.base_m - 60.0f);
+        assert_true(velum_scud_1_m(p, f, g, 1.0f, f.base_m, 0.8f) > 0.0f);
+    }
 }
 
 /* Steps of half a metre change it by little. */
@@ -213,7 +242,7 @@ static void nothing_of_it_has_an_edge(void **state) {
         float last = 0.0f;
         for (int i = 0; i <= 4000; i++) {
             const float h = velum_mix(span.low, span.high, (float)i / 4000.0f);
-            const float now = part ? velum_scud_1_m(f, g, 0.5f, h, 0.75f) : velum_fall_1_m(p, f, g, 0.8f, h, 0.5f);
+            const float now = part ? velum_scud_1_m(p, f, g, 0.5f, h, 0.75f) : velum_fall_1_m(p, f, g, 0.8f, h, 0.5f);
             assert_true(fabsf(now - last) < 0.02f * most);
             last = now;
         }
@@ -248,6 +277,7 @@ int main(void) {
         cmocka_unit_test(it_falls_only_from_thick_columns_and_within_its_bounds),
         cmocka_unit_test(bands_lie_under_towers),
         cmocka_unit_test(scud_grows_with_what_is_asked_for_and_is_none_for_none),
+        cmocka_unit_test(scud_ends_in_the_air_where_no_cloud_is_over_it),
         cmocka_unit_test(nothing_of_it_has_an_edge),
         cmocka_unit_test(states_mix_by_coverage),
     };

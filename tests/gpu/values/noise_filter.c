@@ -39,10 +39,10 @@ int main(void) {
     }
     printf("%s\n", device.name);
     int status = 1;
-    core_noise *noise = core_noise_create();
+    const core_noise *noise = core_noise_built();
     float *places = malloc(sizeof *places * 3 * PLACES);
     uint32_t *words = malloc(sizeof *words * 2 * PLACES);
-    if (!noise || !places || !words) {
+    if (!places || !words) {
         goto error;
     }
     for (uint32_t i = 0; i < 3 * PLACES; i++) {
@@ -104,7 +104,6 @@ int main(void) {
 error:
     free(words);
     free(places);
-    core_noise_destroy(noise);
     compute_close(&device);
     return status;
 }

@@ -9,14 +9,14 @@
 #include "shared/sample.h"
 
 typedef struct fixture {
-    core_noise *noise;
+    const core_noise *noise;
     core_tile_cache *cache;
     core_state *cumulus, *windy, *slab;
 } fixture;
 
 static int set_up(void **state) {
     static fixture f;
-    f.noise = core_noise_create();
+    f.noise = core_noise_built();
     f.cache = core_tile_cache_create(0);
     velum_layer layer = layer_of(VELUM_GENUS_CU, 0.5f, 1000.0f, 2400.0f);
     f.cumulus = state_of_layer(layer, 1);
@@ -28,7 +28,7 @@ static int set_up(void **state) {
     layer.extinction_1_m = 0.01f;
     f.slab = state_of_layer(layer, 3);
     *state = &f;
-    return f.noise && f.cache ? 0 : -1;
+    return f.cache ? 0 : -1;
 }
 
 static int tear_down(void **state) {
@@ -37,7 +37,6 @@ static int tear_down(void **state) {
     core_state_unref(f->windy);
     core_state_unref(f->slab);
     core_tile_cache_destroy(f->cache);
-    core_noise_destroy(f->noise);
     return 0;
 }
 
