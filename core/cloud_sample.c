@@ -1,5 +1,7 @@
 #include "cloud_sample.h"
 
+#include <math.h>
+
 core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, const double origin_ecef_m[3],
                                      const core_drift *drift) {
     core_cloud_noise cloud = {.noise = noise,
@@ -83,6 +85,26 @@ static float rank_at(const core_cloud_noise *cloud, const velum_slot_fields *f, 
 
 static const float unmoved_m[3] = {0.0f, 0.0f, 0.0f};
 
+float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
+                      const float normal[3], float height_m) {
+    float foot[3];
+    foot_of(point_m, normal, height_m, unmoved_m, foot);
+    return rank_at(cloud, fields, foot, normal, height_m);
+}
+
+float core_cloud_extinction_of(const core_cloud_noise *cloud, const velum_slot_fields *fields,
+                               const velum_profile *profile, float rank, const float point_m[3], float height_m,
+                               bool fine) {
+    const float over_m = height_m - fields->base_m;
+    const float z = over_m / fmaxf(fields->top_m - fields->base_m, 1.0f);
+    const float e = velum_excess(*profile, fields->coverage, rank);
+    if (z <= 0.0f || z >= 1.0f || e <= 0.0f) {
+        return 0.0f;
+    }
+    return fields->extinction_1_m * velum_body(*profile, e, z, over_m, core_cloud_lump(cloud, fields, point_m),
+                                               fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
+}
+
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine) {
     if (fields->coverage <= 0.0f || height_m < fields->base_m || height_m > fields->top_m) {
@@ -91,14 +113,9 @@ float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fiel
     if (cloud->slot >= VELUM_SLOT_UNIFORM) {
         return velum_slot_extinction(cloud->slot, *fields, height_m, 1.0f, 0.0f, 0.5f);
     }
-    float foot[3];
-    foot_of(point_m, normal, height_m, unmoved_m, foot);
-    float rank = rank_at(cloud, fields, foot, normal, height_m);
-    if (velum_excess(velum_profile_of(cloud->slot, *fields), fields->coverage, rank) <= 0.0f) {
-        return 0.0f;
-    }
-    return velum_slot_extinction(cloud->slot, *fields, height_m, rank, core_cloud_lump(cloud, fields, point_m),
-                                 fine ? core_cloud_fine(cloud, fields, point_m) : 0.5f);
+    const velum_profile profile = velum_profile_of(cloud->slot, *fields);
+    const float rank = core_cloud_rank(cloud, fields, point_m, normal, height_m);
+    return core_cloud_extinction_of(cloud, fields, &profile, rank, point_m, height_m, fine);
 }
 
 static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, const velum_fringe *g,
@@ -107,10 +124,8 @@ static float hem_1_m(const core_cloud_noise *cloud, const velum_slot_fields *f, 
     if (!(g->scud > 0.0f || g->transition_m > 0.0f) || height_m < span.low || height_m > span.high) {
         return 0.0f;
     }
-    float foot[3];
-    foot_of(point_m, normal, height_m, unmoved_m, foot);
     velum_profile profile = velum_profile_of(cloud->slot, *f);
-    float e = velum_excess(profile, f->coverage, rank_at(cloud, f, foot, normal, height_m));
+    float e = velum_excess(profile, f->coverage, core_cloud_rank(cloud, f, point_m, normal, height_m));
     float lumps[2][4];
     for (int i = 0; i < 8; i++) {
         lumps[i / 4][i % 4] = cloud->phases.lump[i / 4][i % 4] * VELUM_SCUD_LUMPS;

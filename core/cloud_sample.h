@@ -29,7 +29,15 @@ core_cloud_noise core_cloud_noise_at(const core_noise *noise, uint32_t slot, con
 float core_cloud_lump(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 float core_cloud_fine(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3]);
 
-/* Extinction at a point, 1/m; `fine`: with fine detail. */
+/* Rank of the column over a point, 0..1. */
+float core_cloud_rank(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
+                      const float normal[3], float height_m);
+/* Extinction at a point of a column of that rank, 1/m, by the fields' velum_profile_of; not of uniform layers. `fine`:
+ * with fine detail. */
+float core_cloud_extinction_of(const core_cloud_noise *cloud, const velum_slot_fields *fields,
+                               const velum_profile *profile, float rank, const float point_m[3], float height_m,
+                               bool fine);
+/* Extinction at a point, 1/m. */
 float core_cloud_extinction(const core_cloud_noise *cloud, const velum_slot_fields *fields, const float point_m[3],
                             const float normal[3], float height_m, bool fine);
 /* The same of what lies beyond the cloud. */

@@ -15,8 +15,11 @@ typedef union {
 } noise_words;
 
 static void write_source(FILE *file, const uint64_t *words) {
-    fputs("#include \"core/noise.h\"\n\n"
-          "static const union {\n    uint64_t words[sizeof(core_noise) / sizeof(uint64_t)];\n    core_noise noise;\n"
+    fprintf(
+        file,
+        "#include \"core/noise.h\"\n\n#if __BYTE_ORDER__ != %d\n#error Made for another order of bytes.\n#endif\n\n",
+        __BYTE_ORDER__);
+    fputs("static const union {\n    uint64_t words[sizeof(core_noise) / sizeof(uint64_t)];\n    core_noise noise;\n"
           "} built = {{\n",
           file);
     for (size_t i = 0; i < WORDS; i++) {

@@ -27,8 +27,7 @@ static bool is_usable(const double ecef_m[3]) {
     return square > 6.0e6 * 6.0e6;
 }
 
-static velum_result check_oracle(const core_oracle *oracle, const double ecef_m[3], double footprint_m,
-                                 core_error *error) {
+static velum_result check_place(const double ecef_m[3], double footprint_m, core_error *error) {
     if (!is_usable(ecef_m)) {
         return core_fail(error, VELUM_ERROR_ARGUMENT,
                          "position: found %g, %g, %g, expected finite ECEF metres, 6000 km from the centre or more",
@@ -36,9 +35,6 @@ static velum_result check_oracle(const core_oracle *oracle, const double ecef_m[
     }
     if (!(footprint_m >= 0.0) || !isfinite(footprint_m)) {
         return core_fail(error, VELUM_ERROR_ARGUMENT, "footprint_m: found %g, expected 0 or more", footprint_m);
-    }
-    if (!oracle->noise || !oracle->tile) {
-        return core_fail(error, VELUM_ERROR_OUT_OF_MEMORY, "no noise");
     }
     return VELUM_OK;
 }
@@ -52,7 +48,7 @@ static velum_result finish(oracle_cursor *cursor, core_error *error) {
 velum_result core_oracle_extinction(const core_oracle *oracle, const double ecef_m[3], double footprint_m,
                                     float *extinction_1_m, core_error *error) {
     *extinction_1_m = 0.0f;
-    velum_result result = check_oracle(oracle, ecef_m, footprint_m, error);
+    velum_result result = check_place(ecef_m, footprint_m, error);
     if (result != VELUM_OK) {
         return result;
     }
@@ -195,7 +191,7 @@ static void gather_layers(oracle_cursor *cursor, const oracle_place *place, wind
 velum_result core_oracle_at(const core_oracle *oracle, const double ecef_m[3], double footprint_m,
                             core_oracle_point *out, core_error *error) {
     memset(out, 0, sizeof *out);
-    velum_result result = check_oracle(oracle, ecef_m, footprint_m, error);
+    velum_result result = check_place(ecef_m, footprint_m, error);
     if (result != VELUM_OK) {
         return result;
     }

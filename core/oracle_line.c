@@ -176,9 +176,6 @@ velum_result core_oracle_along(const core_oracle *oracle, const double from_m[3]
     if (!(footprint_m >= 0.0) || !isfinite(footprint_m)) {
         return core_fail(error, VELUM_ERROR_ARGUMENT, "footprint_m: found %g, expected 0 or more", footprint_m);
     }
-    if (!oracle->noise || !oracle->tile) {
-        return core_fail(error, VELUM_ERROR_OUT_OF_MEMORY, "no noise");
-    }
     walk w = {.from_m = from_m, .contact_1_m = contact_1_m > 0.0f ? contact_1_m : 1e-4f, .out = out};
     double length2 = 0.0;
     for (int axis = 0; axis < 3; axis++) {

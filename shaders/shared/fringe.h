@@ -201,16 +201,17 @@ VELUM_FN float velum_scud_noise(float lump, float fine) {
     return velum_mix(lump, fine, VELUM_SCUD_FINE);
 }
 
-/* Extinction of scud, 1/m, at a height of a column of excess rank e. Never less for more scud. It comes up to the base where
- * cloud stands over it, whatever most lumps carve off its foot; at that one's rim there is less, hanging lower. */
-VELUM_FN float velum_scud_1_m(velum_profile p, velum_slot_fields f, velum_fringe g, float e, float height_m, float noise) {
+/* Extinction of scud, 1/m, at a height of a column of excess rank e. Never less for more scud. It comes up to the base
+ * where cloud stands over it, whatever most lumps carve off its foot; at that one's rim there is less, hanging lower. */
+VELUM_FN float velum_scud_1_m(velum_profile p, velum_slot_fields f, velum_fringe g, float e, float height_m,
+                              float noise) {
     velum_span_m span = velum_scud_span(f, g);
     float depth_m = f.base_m - height_m;
     float rim = VELUM_MAX(velum_carve(p, 0.0f, -0.5f, 0.5f), VELUM_SCUD_RIM);
     float under = velum_smoothstep(0.0f, rim, e - velum_threshold(p, 0.0f));
     float deep = velum_clamp(depth_m / VELUM_MAX(f.base_m - span.low, 1.0f), 0.0f, 1.0f);
     float over_m = VELUM_SCUD_HANGS_M * (1.0f - under) - depth_m;
-    float above = velum_smoothstep(0.0f, VELUM_MAX(span.high - f.base_m, 1.0f), over_m);
+    float above = velum_smoothstep(0.0f, VELUM_MAX(span.high - f.base_m, 1.0e-3f), over_m);
     float amount = g.scud * under * (1.0f - deep) * (1.0f - above);
     float margin = noise - 1.0f + VELUM_SCUD_FULL * VELUM_SQRT(VELUM_MAX(amount, 0.0f));
     return velum_scud_most_1_m(f, g) * velum_smoothstep(0.0f, VELUM_SCUD_SOFTNESS, margin);

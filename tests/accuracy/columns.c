@@ -27,6 +27,7 @@ const column_case column_cases[COLUMN_CASES] = {
 typedef struct column {
     const core_cloud_noise *cloud;
     velum_slot_fields fields;
+    velum_profile profile; /* of the fields */
     float foot[3], normal[3];
     float rank; /* negative: that of the foot */
 } column;
@@ -34,12 +35,8 @@ typedef struct column {
 static float extinction_at(const column *c, float height_m) {
     const float point[3] = {c->foot[0] + c->normal[0] * height_m, c->foot[1] + c->normal[1] * height_m,
                             c->foot[2] + c->normal[2] * height_m};
-    if (c->rank < 0.0f) {
-        return core_cloud_extinction(c->cloud, &c->fields, point, c->normal, height_m, true);
-    }
-    return velum_slot_extinction(c->cloud->slot, c->fields, height_m, c->rank,
-                                 core_cloud_lump(c->cloud, &c->fields, point),
-                                 core_cloud_fine(c->cloud, &c->fields, point));
+    const float rank = c->rank < 0.0f ? core_cloud_rank(c->cloud, &c->fields, point, c->normal, height_m) : c->rank;
+    return core_cloud_extinction_of(c->cloud, &c->fields, &c->profile, rank, point, height_m, true);
 }
 
 /* Between a height in cloud and one that is not. */
@@ -92,6 +89,7 @@ static void blow(column *c, float wind_m_s) {
     const float across = fmaxf(hypotf(c->normal[0], c->normal[1]), 1.0e-6f);
     c->fields.wind_x_m_s = -wind_m_s * c->normal[1] / across;
     c->fields.wind_y_m_s = wind_m_s * c->normal[0] / across;
+    c->profile = velum_profile_of(c->cloud->slot, c->fields);
 }
 
 static int compare(const void *a, const void *b) {

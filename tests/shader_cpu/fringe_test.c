@@ -188,6 +188,9 @@ static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state)
         for (float h = 300.0f; h < 1000.0f; h += 5.0f) {
             for (int n = 0; n <= 20; n++) {
                 const float noise = 0.05f * (float)n;
+                for (float e = 0.02f; e < 0.5f; e += 0.02f) {
+                    assert_true(velum_scud_1_m(p, f, g, e, h, noise) >= velum_scud_1_m(p, f, less, e, h, noise));
+                }
                 const float now = velum_scud_1_m(p, f, g, 0.5f, h, noise);
                 assert_true(now >= velum_scud_1_m(p, f, less, 0.5f, h, noise));
                 assert_true(s > 0 || now == 0.0f);
@@ -202,31 +205,37 @@ static void scud_grows_with_what_is_asked_for_and_is_none_for_none(void **state)
     assert_true(last_low_m < 600.0f && last_low_m >= 400.0f); /* 500 m under the base at most */
 }
 
-/* What has no cloud over it ends in the air, the lower the farther out it hangs, and not flat at the base. */
+/* What has no cloud over it ends in the air, the lower the farther out it hangs, and not flat at the base; where no
+ * tower stands, under the edge of a storm's anvil, there is none. */
 static void scud_ends_in_the_air_where_no_cloud_is_over_it(void **state) {
     (void)state;
     static const struct {
         int slot;
         float kind;
-    } kinds[] = {{VELUM_SLOT_LOW, VELUM_KIND_SC}, {VELUM_SLOT_CUMULUS, 0.0f}, {VELUM_SLOT_STORM, VELUM_KIND_CB}};
+    } kinds[] = {{VELUM_SLOT_LOW, VELUM_KIND_SC},
+                 {VELUM_SLOT_CUMULUS, 0.0f},
+                 {VELUM_SLOT_STORM, VELUM_KIND_CB},
+                 {VELUM_SLOT_STORM, 0.7f}};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         const velum_slot_fields f = fields_of(0.6f, 900.0f, 3000.0f, 0.06f, kinds[i].kind);
         const velum_profile p = velum_profile_of(kinds[i].slot, f);
         const velum_fringe g = {.scud = 1.0f};
-        const float foot = velum_threshold(p, 0.0f) + velum_carve(p, 0.0f, 0.0f, 0.5f);
+        const float stands = velum_threshold(p, 0.0f);
+        const float whole = velum_carve(p, 0.0f, 0.0f, 0.5f);
         float last_top_m = 0.0f;
-        for (int k = 1; k <= 10; k++) {
-            const float e = foot * 0.1f * (float)k;
+        for (int k = -10; k <= 10; k++) {
+            const float e = stands + whole * 0.1f * (float)k;
             float top_m = 0.0f;
             for (float h = 300.0f; h < 1000.0f; h += 2.0f) {
                 top_m = velum_scud_1_m(p, f, g, e, h, 0.8f) > 0.0f ? h : top_m;
             }
+            assert_true(k > 0 || top_m == 0.0f);
             assert_true(top_m >= last_top_m);
             assert_true(k > 5 || top_m < f.base_m - 60.0f);
             last_top_m = top_m;
         }
-        assert_true(last_top_m > f.base_m - 60.0f);
-        assert_true(velum_scud_1_m(p, f, g, 1.0f, f.base_m, 0.8f) > 0.0f);
+        assert_true(last_top_m > f.base_m - 150.0f);
+        assert_true(velum_scud_1_m(p, f, g, stands + 0.7f, f.base_m, 0.8f) > 0.0f);
     }
 }
 
@@ -236,13 +245,14 @@ static void nothing_of_it_has_an_edge(void **state) {
     const velum_slot_fields f = fields_of(1.0f, 1200.0f, 4000.0f, 0.06f, 0.5f);
     const velum_profile p = velum_profile_of(VELUM_SLOT_MIDDLE, f);
     const velum_fringe g = {.scud = 0.6f, .fall = fall_of(0.01), .fall_kind = VELUM_FALL_RAIN};
-    for (int part = 0; part < 2; part++) {
+    for (int part = 0; part < 3; part++) { /* the last: scud that hangs at a rim */
         const velum_span_m span = part ? velum_scud_span(f, g) : velum_fall_span(f, g);
         const float most = part ? velum_scud_most_1_m(f, g) : velum_fall_most_1_m(g);
+        const float e = part == 2 ? velum_threshold(p, 0.0f) + 0.08f : 0.5f;
         float last = 0.0f;
         for (int i = 0; i <= 4000; i++) {
             const float h = velum_mix(span.low, span.high, (float)i / 4000.0f);
-            const float now = part ? velum_scud_1_m(p, f, g, 0.5f, h, 0.75f) : velum_fall_1_m(p, f, g, 0.8f, h, 0.5f);
+            const float now = part ? velum_scud_1_m(p, f, g, e, h, 0.75f) : velum_fall_1_m(p, f, g, 0.8f, h, 0.5f);
             assert_true(fabsf(now - last) < 0.02f * most);
             last = now;
         }
