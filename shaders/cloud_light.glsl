@@ -199,8 +199,10 @@ const float lump_face = 0.6, lump_low = 0.484;
 const float deck_face = 0.391, deck_tilt = 0.251;
 /* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
 const float near_face = 0.252, near_share = 0.0357;
-/* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. */
-const float wall_share = 0.85;
+/* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. Those of
+ * heaps stand upright to a low sun; what they send goes back from it, and less of it onward: towards an eye that looks so
+ * far into the sun. */
+const float wall_share = 0.85, wall_onward = 0.7;
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 const float shaft_turns = 0.236, shaft_lit = 0.864; /* as turns and lit_depth, in what falls from storms */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
@@ -397,7 +399,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_beside) : hit.fields.coverage;
     vec3 open = 0.5 * (above + below) + field;
     above += field;
-    vec3 beside = open + walls * (storm ? storm_walls : wall_share) * even * sun;
+    float wall_light = even;
+    if (hit.slot == VELUM_SLOT_CUMULUS) {
+        float upright = deep_under(mix(lump_face, face, over * over));
+        wall_light = mix(upright, even, wall_onward * max(phases.cos_sun, 0.0));
+    }
+    vec3 beside = open + walls * (storm ? storm_walls : wall_share) * wall_light * sun;
     down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : opens_up) * all_round;
