@@ -210,7 +210,8 @@ const float shaft_turns = 0.236, shaft_lit = 0.864; /* as turns and lit_depth, i
 const float field_share = 2.12;
 /* How a storm is lit. Fitted to the scene `thunderstorm` and references of cumulonimbus in a field. */
 const float storm_walls = 1.12;  /* light of walls, which is the most that storms have */
-const float storm_beside = 0.2;  /* what flanks see of them */
+/* What flanks see of them: the more in shade that falls on what is turned to the sun, among walls that it lights. */
+const float storm_beside = 0.17, storm_niche = 0.35;
 const float storm_turned = 0.38; /* light of faces, on the mean... */
 const float storm_meets = 0.28;  /* ... and more where the sun meets them straight */
 const float storm_full = 0.4;    /* of that, as much more where storms cover all */
@@ -362,6 +363,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float even = deep_under(face);
     float deep = even;
     float opens_up = 1.0;
+    float walls_seen = hit.fields.coverage;
     if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
@@ -379,6 +381,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
                                          storm_even * eye.slots[hit.slot].lump_0.w);
         deep *= 1.0 + storm_lumps * (turned_to.sun - storm_lumps_mean) * relief;
         opens_up += storm_up * (turned_to.up - storm_up_mean) * relief;
+        walls_seen = storm_beside + storm_niche * meets * (1.0 - lit);
     }
     float dark = down + max(flank - lit, 0.0);
     if (heaps) {
@@ -396,7 +399,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     if (storm) {
         above = between_storms(hit, above, storm_walls * even * sun, mu_sun, way.coverage);
     }
-    float walls = storm ? (is_fringe(hit) ? max(hit.fields.coverage, shaft_walls) : storm_beside) : hit.fields.coverage;
+    walls_seen = storm && !towers ? max(walls_seen, shaft_walls) : walls_seen;
     vec3 open = 0.5 * (above + below) + field;
     above += field;
     float wall_light = even;
@@ -404,7 +407,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float upright = deep_under(mix(lump_face, face, over * over));
         wall_light = mix(upright, even, wall_onward * max(phases.cos_sun, 0.0));
     }
-    vec3 beside = open + walls * (storm ? storm_walls : wall_share) * wall_light * sun;
+    vec3 beside = open + walls_seen * (storm ? storm_walls : wall_share) * wall_light * sun;
     down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
     return sun * (first + widened + deep * diffuse) + (heaps ? mix(sky_share, 1.0, over) : opens_up) * all_round;
