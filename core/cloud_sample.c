@@ -98,7 +98,7 @@ float core_cloud_extinction_of(const core_cloud_noise *cloud, const velum_slot_f
     const float over_m = height_m - fields->base_m;
     const float z = over_m / fmaxf(fields->top_m - fields->base_m, 1.0f);
     const float e = velum_excess(*profile, fields->coverage, rank);
-    if (z <= 0.0f || z >= 1.0f || e <= 0.0f) {
+    if (!(z > 0.0f && z < 1.0f && e > 0.0f)) {
         return 0.0f;
     }
     return fields->extinction_1_m * velum_body(*profile, e, z, over_m, core_cloud_lump(cloud, fields, point_m),
