@@ -363,7 +363,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float even = deep_under(face);
     float deep = even;
     float opens_up = 1.0;
-    float walls_seen = hit.fields.coverage;
+    float walls_seen = storm ? max(hit.fields.coverage, shaft_walls) : hit.fields.coverage;
     if (heaps) {
         float slope = way.falls_near_1_m * near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
@@ -399,7 +399,6 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     if (storm) {
         above = between_storms(hit, above, storm_walls * even * sun, mu_sun, way.coverage);
     }
-    walls_seen = storm && !towers ? max(walls_seen, shaft_walls) : walls_seen;
     vec3 open = 0.5 * (above + below) + field;
     above += field;
     float wall_light = even;
