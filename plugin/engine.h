@@ -52,6 +52,7 @@ typedef enum pass {
     PASS_AIR,
     PASS_GLOW,
     PASS_SKY,
+    PASS_SKY_FOG,     /* where there is fog */
     PASS_DUE,         /* rays of views that stand */
     PASS_FINER,       /* rays of views that move */
     PASS_NEAR,        /* and of those that meet near cloud */

@@ -175,11 +175,11 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
  * cloud_hit.glsl; 5, 7 and 8 of resolve.comp, 8 of gather.comp too, 6 of moved.glsl; 9 of segments.glsl; 10 of
- * uneven.glsl; 11 of resolve.comp. */
+ * uneven.glsl; 11 of resolve.comp; 12 of air_light.glsl. */
 typedef struct variant {
     VkBool32 more;
     uint32_t lanes, slots;
-    VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven, aside;
+    VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven, aside, fog;
 } variant;
 
 /* The first of its variants. */
@@ -207,6 +207,7 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_AIR] = {velum_air_spv, sizeof velum_air_spv},
         [PASS_GLOW] = {velum_glow_spv, sizeof velum_glow_spv},
         [PASS_SKY] = {velum_sky_spv, sizeof velum_sky_spv},
+        [PASS_SKY_FOG] = {velum_sky_spv, sizeof velum_sky_spv},
         [PASS_DUE] = {velum_due_spv, sizeof velum_due_spv},
         [PASS_FINER] = {velum_finer_spv, sizeof velum_finer_spv},
         [PASS_NEAR] = {velum_near_spv, sizeof velum_near_spv},
@@ -234,7 +235,7 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[12] = {{0, offsetof(variant, more), sizeof values->more},
+    const VkSpecializationMapEntry entries[13] = {{0, offsetof(variant, more), sizeof values->more},
                                                   {1, offsetof(variant, lanes), sizeof values->lanes},
                                                   {2, offsetof(variant, slots), sizeof values->slots},
                                                   {3, offsetof(variant, air), sizeof values->air},
@@ -245,8 +246,9 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
                                                   {8, offsetof(variant, keeps), sizeof values->keeps},
                                                   {9, offsetof(variant, segmented), sizeof values->segmented},
                                                   {10, offsetof(variant, uneven), sizeof values->uneven},
-                                                  {11, offsetof(variant, aside), sizeof values->aside}};
-    const VkSpecializationInfo constants = {12, entries, sizeof *values, values};
+                                                  {11, offsetof(variant, aside), sizeof values->aside},
+                                                  {12, offsetof(variant, fog), sizeof values->fog}};
+    const VkSpecializationInfo constants = {13, entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -281,6 +283,7 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
                             .moves = resolves && kind & PASS_MOVES,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && !has_depth && kind & PASS_KEEPS),
                             .aside = has_depth && kind & PASS_ASIDE,
+                            .fog = which != PASS_SKY,
                             .segmented = is_of(which, PASS_SHADOW) && shadow_segments(g) > 1,
                             .uneven = is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_MARCH_STUDY) ||
                                       (is_of(which, PASS_SHADOW) && kind & PASS_UNEVEN)};

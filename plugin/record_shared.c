@@ -134,7 +134,7 @@ static bool record_sky(engine *e, eye *y, VkCommandBuffer commands) {
         compute_to_compute(e, commands);
         e->air_ready = true;
     }
-    record_dispatch(e, commands, PASS_SKY, VELUM_SKY_COLUMNS, VELUM_SKY_H);
+    record_dispatch(e, commands, b->drift[1] > 0.0f ? PASS_SKY_FOG : PASS_SKY, VELUM_SKY_COLUMNS, VELUM_SKY_H);
     y->sky_made = key;
     y->sky_count++;
     return true;
@@ -154,7 +154,7 @@ velum_result record_shared(engine *e, VkCommandBuffer commands, const velum_eye_
     if (!check_pointer(&check, "commands", commands) || !read_eyes(&check, e, eyes, count, stride, frames, list)) {
         return check.result;
     }
-    static const pass needed[] = {PASS_AIR, PASS_GLOW, PASS_SKY};
+    static const pass needed[] = {PASS_AIR, PASS_GLOW, PASS_SKY, PASS_SKY_FOG};
     if (count > 0 && !pipelines_need(&e->passes, &e->g, needed, sizeof needed / sizeof needed[0])) {
         return gpu_result(&e->g);
     }

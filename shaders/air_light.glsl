@@ -7,6 +7,9 @@
 #include "shared/phase.h"
 #include "shared/shade.h"
 
+/* Whether there may be fog. The sky without it does not pay for its light. */
+layout(constant_id = 12) const bool velum_fog = true;
+
 /* Depth of haze straight down from a height to the surface; below it the haze is even. */
 float haze_under(float height_m) {
     float over_m = height_m - eye.span.z;
@@ -337,7 +340,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     /* All of it: fitted to the reference. */
     of_sky += haze;
     vec3 of_back = vec3(0.0);
-    if (fog > 0.0) {
+    if (velum_fog && fog > 0.0) {
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
         float sun_height = sun_on_fog(mu_sun);
@@ -353,7 +356,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
         source += sky * (of_sky * glow.sky + of_ground * glow.ground);
-        if (fog > 0.0) {
+        if (velum_fog && fog > 0.0) {
             /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
             source += sky * of_back * max(glow.ground - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
         }
