@@ -146,9 +146,11 @@ static void render_until(slab_rig *rig, const velum_view_frame *camera, const do
     memcpy(copy, rig->light, sizeof rig->light);
 }
 
-/* Cumulus, and ahead a region of denser ones with scud and rain: tiles have bounds of their own. */
+/* Cumulus, and ahead a region of denser ones with scud and rain: tiles have bounds of their own. Of little water:
+ * paths need be no longer than what interrupts them. */
 static void commit_showers(fixture *f) {
-    const velum_layer fair = fixture_cumulus();
+    velum_layer fair = fixture_cumulus();
+    fair.water_g_m3 = 0.1f;
     velum_layer wet = fair;
     wet.water_g_m3 = 2.0f * fair.water_g_m3;
     wet.scud = 0.8f;

@@ -304,7 +304,7 @@ static void light_goes_from_cell_to_cell(void **state) {
     expect_near(mean(r.light), single, 0.02, "thin cloud's light");
 
     clouds(&r);
-    const float cells_m[] = {800.0f, 400.0f, 200.0f};
+    const float cells_m[] = {1600.0f, 800.0f, 400.0f};
     float *const kept[] = {coarse, medium, r.light};
     for (int i = 0; i < 3; i++) {
         plan.volume_cell_m = cells_m[i];
@@ -312,8 +312,10 @@ static void light_goes_from_cell_to_cell(void **state) {
         memmove(kept[i], r.light, sizeof r.light);
     }
     const double first = apart(coarse, r.light), then = apart(medium, r.light);
+    print_message("from cells of %g and %g m to %g m: %.4f, %.4f\n", (double)cells_m[0], (double)cells_m[1],
+                  (double)cells_m[2], first, then);
     assert_true(then > 0.001 && then < 0.8 * first);
-    plan.volume_cell_m = 400.0f;
+    plan.volume_cell_m = cells_m[1];
     draw_plan(&r, &plan, 4);
     assert_memory_equal(r.light, medium, sizeof medium);
     /* Another sun: what the view has is made anew. */
