@@ -6,7 +6,7 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
 
-const int zeniths = 16, azimuths = 8;
+const int zeniths = 16, azimuths = 4; /* of the half world on one side of the sun: the other is alike */
 const int steps = 20;
 
 void main() {
@@ -28,7 +28,7 @@ void main() {
         float u = 1.0 - 2.0 * (float(k / azimuths) + 0.5) / float(zeniths);
         float c = u * abs(u);
         float weight = 2.0 * abs(u) / float(zeniths * azimuths);
-        float a = 2.0 * PI * (float(k % azimuths) + 0.5) / float(azimuths);
+        float a = PI * (float(k % azimuths) + 0.5) / float(azimuths);
         float s = sqrt(max(1.0 - c * c, 0.0));
         vec3 d = vec3(s * cos(a), s * sin(a), c);
         float b = r * c;
