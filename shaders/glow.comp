@@ -6,7 +6,7 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
 
-const int zeniths = 16, azimuths = 4; /* of the half world on one side of the sun: the other is alike */
+const int zeniths = 16, azimuths = 4; /* on one side of the plane through sun and zenith: the other is alike */
 const int steps = 20;
 
 void main() {

@@ -52,7 +52,10 @@ vec3 sent_up(float height_m, vec3 albedo) {
 /* Under the clouds over the eye. */
 vec3 ground_luminance(float mu_sun) {
     vec4 shade = shade_at(0.0);
-    float fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
+    float fog = 1.0;
+    if (velum_fog) {
+        fog = sun_under_fog(fog_over(eye.span.z), sun_on_fog(mu_sun), dot(eye.ground.rgb, vec3(1.0 / 3.0)));
+    }
     vec3 flux = vec3(max(mu_sun, 0.0) * (shade.x + shade.y));
     if (eye.ground.w != 0.0) {
         flux = flux_on_ground(mu_sun, shade.x + shade.y, sky_under(shade, mu_sun));

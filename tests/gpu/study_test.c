@@ -293,7 +293,7 @@ static void light_goes_from_cell_to_cell(void **state) {
     fixture_commit(&r.f, &layer, 1);
     velum_plan plan = plan_of();
     plan.flags = VELUM_PLAN_LIGHT_ALL;
-    plan.volume_cell_m = 400.0f;
+    plan.volume_cell_m = 800.0f; /* fewer cells than what comes later: the volume grows */
     plan.scattering = VELUM_SCATTERING_OCTAVES;
     plan.octaves = 1;
     draw_plan(&r, &plan, 4);
@@ -304,6 +304,11 @@ static void light_goes_from_cell_to_cell(void **state) {
     expect_near(mean(r.light), single, 0.02, "thin cloud's light");
 
     clouds(&r);
+    /* Steeply up: what is seen lies within all of these volumes. */
+    for (int i = 0; i < 3; i++) {
+        ahead[i] = cos(1.0) * r.east[i] + sin(1.0) * r.up[i];
+    }
+    look(&r, 300.0, ahead, 0.6f, 0.6, VELUM_ATMOSPHERE_EARTH);
     const float cells_m[] = {1600.0f, 800.0f, 400.0f};
     float *const kept[] = {coarse, medium, r.light};
     for (int i = 0; i < 3; i++) {
