@@ -235,20 +235,20 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
         [PASS_REFERENCE_RESOLVE_LAYERED] = {velum_reference_resolve_layered_spv,
                                             sizeof velum_reference_resolve_layered_spv},
         [PASS_REFERENCE_ERROR] = {velum_reference_error_spv, sizeof velum_reference_error_spv}};
-    const VkSpecializationMapEntry entries[13] = {{0, offsetof(variant, more), sizeof values->more},
-                                                  {1, offsetof(variant, lanes), sizeof values->lanes},
-                                                  {2, offsetof(variant, slots), sizeof values->slots},
-                                                  {3, offsetof(variant, air), sizeof values->air},
-                                                  {4, offsetof(variant, closes), sizeof values->closes},
-                                                  {5, offsetof(variant, ground), sizeof values->ground},
-                                                  {6, offsetof(variant, depth), sizeof values->depth},
-                                                  {7, offsetof(variant, moves), sizeof values->moves},
-                                                  {8, offsetof(variant, keeps), sizeof values->keeps},
-                                                  {9, offsetof(variant, segmented), sizeof values->segmented},
-                                                  {10, offsetof(variant, uneven), sizeof values->uneven},
-                                                  {11, offsetof(variant, aside), sizeof values->aside},
-                                                  {12, offsetof(variant, fog), sizeof values->fog}};
-    const VkSpecializationInfo constants = {13, entries, sizeof *values, values};
+    const VkSpecializationMapEntry entries[] = {{0, offsetof(variant, more), sizeof values->more},
+                                                {1, offsetof(variant, lanes), sizeof values->lanes},
+                                                {2, offsetof(variant, slots), sizeof values->slots},
+                                                {3, offsetof(variant, air), sizeof values->air},
+                                                {4, offsetof(variant, closes), sizeof values->closes},
+                                                {5, offsetof(variant, ground), sizeof values->ground},
+                                                {6, offsetof(variant, depth), sizeof values->depth},
+                                                {7, offsetof(variant, moves), sizeof values->moves},
+                                                {8, offsetof(variant, keeps), sizeof values->keeps},
+                                                {9, offsetof(variant, segmented), sizeof values->segmented},
+                                                {10, offsetof(variant, uneven), sizeof values->uneven},
+                                                {11, offsetof(variant, aside), sizeof values->aside},
+                                                {12, offsetof(variant, fog), sizeof values->fog}};
+    const VkSpecializationInfo constants = {sizeof entries / sizeof entries[0], entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
     VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,

@@ -340,7 +340,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     /* All of it: fitted to the reference. */
     of_sky += haze;
     vec3 of_back = vec3(0.0);
-    if (velum_fog && fog > 0.0) {
+    if (fog > 0.0) {
         float above = fog_over(height_m);
         float below = max(fog_over(eye.span.z) - above, 0.0);
         float sun_height = sun_on_fog(mu_sun);
@@ -356,7 +356,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
         source += sky * (of_sky * glow.sky + of_ground * glow.ground);
-        if (velum_fog && fog > 0.0) {
+        if (fog > 0.0) {
             /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
             source += sky * of_back * max(glow.ground - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
         }
@@ -432,7 +432,7 @@ air_light air_march_under(vec3 o, vec3 d, float distance_m, int steps, bool with
         velum_place p = place_of(o + d * t);
         vec3 normal = vec3(p.nx, p.ny, p.nz);
         float mu_sun = dot(normal, eye.sun.xyz);
-        float fog = fog_extinction_1_m(p.height_m);
+        float fog = velum_fog ? fog_extinction_1_m(p.height_m) : 0.0;
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
         vec3 dims = extinction - vec3(haze_ahead * haze);

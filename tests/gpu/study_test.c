@@ -30,6 +30,15 @@ static void look(rig *r, double height_m, const double forward[3], float tan_x, 
     r->frame = fixture_frame(sun, 0.0, atmosphere);
 }
 
+/* From under clouds, eastward and up. */
+static void look_up(rig *r, double elevation_rad, int32_t atmosphere) {
+    double ahead[3];
+    for (int i = 0; i < 3; i++) {
+        ahead[i] = cos(elevation_rad) * r->east[i] + sin(elevation_rad) * r->up[i];
+    }
+    look(r, 300.0, ahead, 0.6f, 0.6, atmosphere);
+}
+
 static void rig_init(rig *r) {
     memset(r, 0, sizeof *r);
     fixture_init(&r->f, false);
@@ -119,12 +128,8 @@ static void slab(rig *r, float tau, float g) {
 
 static void clouds(rig *r) {
     const velum_layer layer = fixture_cumulus();
-    double ahead[3];
     fixture_commit(&r->f, &layer, 1);
-    for (int i = 0; i < 3; i++) {
-        ahead[i] = cos(0.25) * r->east[i] + sin(0.25) * r->up[i];
-    }
-    look(r, 300.0, ahead, 0.6f, 0.6, VELUM_ATMOSPHERE_EARTH);
+    look_up(r, 0.25, VELUM_ATMOSPHERE_EARTH);
 }
 
 static void needs_an_eye_made_for_it(void **state) {
@@ -281,12 +286,8 @@ static void light_goes_from_cell_to_cell(void **state) {
     (void)state;
     static float coarse[PIXELS * 3], medium[PIXELS * 3];
     rig r;
-    double ahead[3];
     rig_init(&r);
-    for (int i = 0; i < 3; i++) {
-        ahead[i] = cos(0.25) * r.east[i] + sin(0.25) * r.up[i];
-    }
-    look(&r, 300.0, ahead, 0.6f, 0.6, VELUM_ATMOSPHERE_NONE);
+    look_up(&r, 0.25, VELUM_ATMOSPHERE_NONE);
     velum_layer layer = fixture_cumulus();
     layer.flags |= VELUM_LAYER_EXTINCTION;
     layer.extinction_1_m = 1e-6f;
@@ -305,10 +306,7 @@ static void light_goes_from_cell_to_cell(void **state) {
 
     clouds(&r);
     /* Steeply up: what is seen lies within all of these volumes. */
-    for (int i = 0; i < 3; i++) {
-        ahead[i] = cos(1.0) * r.east[i] + sin(1.0) * r.up[i];
-    }
-    look(&r, 300.0, ahead, 0.6f, 0.6, VELUM_ATMOSPHERE_EARTH);
+    look_up(&r, 1.0, VELUM_ATMOSPHERE_EARTH);
     const float cells_m[] = {1600.0f, 800.0f, 400.0f};
     float *const kept[] = {coarse, medium, r.light};
     for (int i = 0; i < 3; i++) {
