@@ -19,15 +19,24 @@ static uint32_t key_at(double lat_deg, double lon_deg, uint32_t level) {
 }
 
 /* One slot at a place, from the tile of that level, as the GPU looks it up. */
-static velum_slot_fields look_up(const core_state *state, const double n[3], uint32_t level, uint32_t slot) {
+/* All slots at a place of a level. */
+static void look_up_all(const core_state *state, const double n[3], uint32_t level,
+                        velum_slot_fields out[VELUM_SLOT_COUNT]) {
     velum_face_place p = velum_face_of((float)n[0], (float)n[1], (float)n[2]);
     float x = velum_tile_coordinate(p.u, level);
     float y = velum_tile_coordinate(p.v, level);
     core_tile *tile = core_tile_create(state, velum_tile_key(level, (uint32_t)p.face, (uint32_t)x, (uint32_t)y));
     assert_non_null(tile);
-    velum_slot_fields f = core_tile_sample(tile, slot, x - floorf(x), y - floorf(y));
+    for (uint32_t slot = 0; slot < VELUM_SLOT_COUNT; slot++) {
+        out[slot] = core_tile_sample(tile, slot, x - floorf(x), y - floorf(y));
+    }
     core_tile_unref(tile);
-    return f;
+}
+
+static velum_slot_fields look_up(const core_state *state, const double n[3], uint32_t level, uint32_t slot) {
+    velum_slot_fields all[VELUM_SLOT_COUNT];
+    look_up_all(state, n, level, all);
+    return all[slot];
 }
 
 /* Synthetic weather with regions sharp and soft, whose effect crosses a cube edge, a cube corner and a pole. */
@@ -224,9 +233,13 @@ static void faces_fit_together(void **state) {
                 double outer[3];
                 core_face_normal(face, 1.0 - 1e-6, along, inner);
                 core_face_normal(face, 1.0 + 1e-6, along, outer);
+                velum_slot_fields inside[VELUM_SLOT_COUNT];
+                velum_slot_fields outside[VELUM_SLOT_COUNT];
+                look_up_all(f->state, inner, level, inside);
+                look_up_all(f->state, outer, level, outside);
                 for (uint32_t slot = 0; slot <= VELUM_SLOT_STORM; slot += VELUM_SLOT_STORM) {
-                    velum_slot_fields a = look_up(f->state, inner, level, slot);
-                    velum_slot_fields b = look_up(f->state, outer, level, slot);
+                    velum_slot_fields a = inside[slot];
+                    velum_slot_fields b = outside[slot];
                     worst = fmax(worst, fabs((double)a.coverage - (double)b.coverage));
                     if (a.coverage > 0.05f && b.coverage > 0.05f) {
                         highest = fmax(highest, fabs((double)a.base_m - (double)b.base_m));
@@ -332,10 +345,12 @@ static void the_detail_level_is_enough(void **state) {
         assert_true(detail <= level && detail >= VELUM_TILE_DATA_LEVEL_MIN);
         core_normal(lat, lon, n);
         coarser += detail < level;
+        velum_slot_fields fine[VELUM_SLOT_COUNT];
+        velum_slot_fields data[VELUM_SLOT_COUNT];
+        look_up_all(f->state, n, level, fine);
+        look_up_all(f->state, n, detail, data);
         for (uint32_t slot = 0; slot < VELUM_SLOT_UNIFORM; slot++) {
-            velum_slot_fields fine = look_up(f->state, n, level, slot);
-            velum_slot_fields data = look_up(f->state, n, detail, slot);
-            double off = fabs((double)fine.coverage - (double)data.coverage);
+            double off = fabs((double)fine[slot].coverage - (double)data[slot].coverage);
             worst = fmax(worst, off);
             mean += off;
             compared++;
