@@ -43,8 +43,9 @@ enum { PASS_MIXED = 1, PASS_CLOSED = 2, PASS_FRINGED = 4, PASS_VARIANTS = 8 };
 /* In the place of PASS_CLOSED, of PASS_SHADOW: weather that differs from place to place. */
 enum { PASS_UNEVEN = PASS_CLOSED };
 /* Those of PASS_RESOLVE: there may be ground in sight that the host does not draw; has given its depth; gives arrays of
- * pictures; history moves, or is kept where it is. */
-enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_KEEPS = 16, PASS_RESOLVE_VARIANTS = 32 };
+ * pictures; history moves, or is kept where it is; moves though the view stands. */
+enum { PASS_GROUND = 1, PASS_DEPTH = 2, PASS_LAYERED = 4, PASS_MOVES = 8, PASS_KEEPS = 16, PASS_STANDS = 32 };
+enum { PASS_RESOLVE_VARIANTS = 64 };
 /* In the place of PASS_KEEPS, with PASS_DEPTH: the eye's sky does not tell of the air before them. */
 enum { PASS_ASIDE = PASS_KEEPS };
 
@@ -67,7 +68,7 @@ typedef enum pass {
     PASS_GATHER_KEEPS, /* where history is kept */
     PASS_MARCH_STUDY,  /* eight, PASS_CLOSED without effect; made with the first eye that wants them */
     PASS_SHADOW = PASS_MARCH_STUDY + PASS_VARIANTS, /* eight */
-    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* thirty-two */
+    PASS_RESOLVE = PASS_SHADOW + PASS_VARIANTS,     /* sixty-four */
     /* Of everything; from here on made with the first eye that wants them. */
     PASS_REFERENCE = PASS_RESOLVE + PASS_RESOLVE_VARIANTS,
     PASS_REFERENCE_FRINGED,

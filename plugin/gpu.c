@@ -123,7 +123,20 @@ bool gpu_buffer_init(gpu *g, gpu_buffer *buffer, VkDeviceSize size, VkBufferUsag
     return true;
 }
 
+bool gpu_buffer_view(gpu *g, gpu_buffer *buffer, VkFormat format, VkDeviceSize bytes) {
+    const VkBufferViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, .buffer = buffer->buffer, .format = format, .range = bytes};
+    if (!VK(g, CreateBufferView(g->device, &info, NULL, &buffer->texels))) {
+        buffer->texels = VK_NULL_HANDLE;
+        return false;
+    }
+    return true;
+}
+
 void gpu_buffer_finish(gpu *g, gpu_buffer *buffer) {
+    if (buffer->texels) {
+        g->DestroyBufferView(g->device, buffer->texels, NULL);
+    }
     if (buffer->buffer) {
         g->DestroyBuffer(g->device, buffer->buffer, NULL);
     }

@@ -36,6 +36,7 @@
     X(CmdUpdateBuffer)                                                                                                 \
     X(CmdWriteTimestamp2)                                                                                              \
     X(CreateBuffer)                                                                                                    \
+    X(CreateBufferView)                                                                                                \
     X(CreateComputePipelines)                                                                                          \
     X(CreateDescriptorPool)                                                                                            \
     X(CreateDescriptorSetLayout)                                                                                       \
@@ -47,6 +48,7 @@
     X(CreateSampler)                                                                                                   \
     X(CreateShaderModule)                                                                                              \
     X(DestroyBuffer)                                                                                                   \
+    X(DestroyBufferView)                                                                                               \
     X(DestroyDescriptorPool)                                                                                           \
     X(DestroyDescriptorSetLayout)                                                                                      \
     X(DestroyImage)                                                                                                    \
@@ -118,6 +120,7 @@ void *gpu_allocation_mapped(const gpu_allocation *allocation);
 
 typedef struct gpu_buffer {
     VkBuffer buffer;
+    VkBufferView texels; /* see gpu_buffer_view */
     VkDeviceSize size;
     void *mapped;
     gpu_allocation allocation;
@@ -144,6 +147,8 @@ typedef struct gpu_image_desc {
 } gpu_image_desc;
 
 bool gpu_buffer_init(gpu *g, gpu_buffer *buffer, VkDeviceSize size, VkBufferUsageFlags usage, gpu_memory_kind kind);
+/* Of its first bytes, as texels of a format. */
+bool gpu_buffer_view(gpu *g, gpu_buffer *buffer, VkFormat format, VkDeviceSize bytes);
 void gpu_buffer_finish(gpu *g, gpu_buffer *buffer);
 bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc);
 /* One 2D layer that shaders write and sample. */

@@ -105,6 +105,7 @@ velum_result pipelines_get_cache(pipelines *p, gpu *g, void *data, uint64_t *siz
 
 enum { U = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, B = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER };
 enum { T = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, I = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE };
+enum { X = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER };
 
 static bool create_set_layout(gpu *g, const int *types, uint32_t count, VkDescriptorSetLayout *out) {
     VkDescriptorSetLayoutBinding
@@ -175,10 +176,10 @@ uint32_t pipelines_reference_lanes(const gpu *g) {
 
 /* Constants of shaders: 0 of weather.glsl; invocations of the tracer's group; its slots, its air; 4 of
  * cloud_hit.glsl; 5, 7 and 8 of resolve.comp, 8 of gather.comp too, 6 of moved.glsl; 9 of segments.glsl; 10 of
- * uneven.glsl; 11 of resolve.comp; 12 of air_light.glsl. */
+ * uneven.glsl; 11 of resolve.comp; 12 of air_light.glsl; 13 of near.glsl. */
 typedef struct variant {
     VkBool32 more;
-    uint32_t lanes, slots;
+    uint32_t lanes, slots, turns;
     VkBool32 air, closes, ground, depth, moves, keeps, segmented, uneven, aside, fog;
 } variant;
 
@@ -247,7 +248,8 @@ static VkResult make_variant(const pipelines *p, const gpu *g, pass which, const
                                                 {9, offsetof(variant, segmented), sizeof values->segmented},
                                                 {10, offsetof(variant, uneven), sizeof values->uneven},
                                                 {11, offsetof(variant, aside), sizeof values->aside},
-                                                {12, offsetof(variant, fog), sizeof values->fog}};
+                                                {12, offsetof(variant, fog), sizeof values->fog},
+                                                {13, offsetof(variant, turns), sizeof values->turns}};
     const VkSpecializationInfo constants = {sizeof entries / sizeof entries[0], entries, sizeof *values, values};
     _Static_assert((int)PASS_FRINGED == (int)PASS_LAYERED, "variants with code of their own");
     const pass code = (pass)(family_of(which) + (variant_of(which) & PASS_FRINGED));
@@ -275,12 +277,16 @@ static VkResult make_pipeline(pipelines *p, const gpu *g, pass which) {
     const uint32_t kind = variant_of(which);
     const bool resolves = is_resolve(which);
     const bool has_depth = resolves && kind & PASS_DEPTH;
+    const bool moves = resolves && kind & PASS_MOVES;
     const variant values = {.more = !resolves && kind & PASS_MIXED,
                             .lanes = pipelines_reference_lanes(g),
+                            .turns = !moves               ? VELUM_TURNS_ASKED
+                                     : kind & PASS_STANDS ? VELUM_TURNS_SOME
+                                                          : VELUM_TURNS_NONE,
                             .closes = !resolves && (kind & PASS_CLOSED || is_of(which, PASS_MARCH_STUDY)),
                             .ground = resolves && kind & PASS_GROUND,
                             .depth = which == PASS_NEAR_DEPTH || has_depth,
-                            .moves = resolves && kind & PASS_MOVES,
+                            .moves = moves,
                             .keeps = which == PASS_GATHER_KEEPS || (resolves && !has_depth && kind & PASS_KEEPS),
                             .aside = has_depth && kind & PASS_ASIDE,
                             .fog = which != PASS_SKY,
@@ -342,8 +348,8 @@ static bool is_left_out(pass which, bool arrays) {
     const bool lights = is_of(which, PASS_MARCH) || is_of(which, PASS_MARCH_UNEVEN) || is_of(which, PASS_LIGHT);
     return is_of(which, PASS_MARCH_STUDY) || (which >= PASS_VOLUME_FILL && which <= PASS_VOLUME_SPREAD) ||
            (lights && kind & PASS_FRINGED && !(kind & PASS_CLOSED)) ||
-           (is_resolve(which) &&
-            ((kind & PASS_LAYERED && !arrays) || (kind & PASS_KEEPS && kind & PASS_MOVES && !(kind & PASS_DEPTH))));
+           (is_resolve(which) && ((kind & PASS_LAYERED && !arrays) || (kind & PASS_STANDS && !(kind & PASS_MOVES)) ||
+                                  (kind & PASS_KEEPS && kind & PASS_MOVES && !(kind & PASS_DEPTH))));
 }
 
 bool pipelines_need(pipelines *p, gpu *g, const pass *needed, uint32_t count) {
@@ -374,7 +380,8 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
             return p->tracer[i];
         }
     }
-    const variant values = {.more = mixes, .lanes = pipelines_reference_lanes(g), .slots = slots, .air = air};
+    const variant values = {
+        .more = mixes, .lanes = pipelines_reference_lanes(g), .turns = VELUM_TURNS_ASKED, .slots = slots, .air = air};
     const VkResult result =
         make_variant(p, g, fringed ? PASS_REFERENCE_FRINGED : PASS_REFERENCE, &values, &p->tracer[p->tracer_count]);
     if (!gpu_check(g, result, "CreateComputePipelines", __FILE__, __LINE__)) {
@@ -386,7 +393,7 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T, B};
-    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B, B};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B, B, X, X};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};
     bool known = blob_is_ours(g, blob, blob_size);

@@ -191,6 +191,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_RAYS] = {v->rays.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_LIGHT_VOLUME] = {v->light_volume.buffer.size > 0 ? v->light_volume.buffer.buffer : v->rays.buffer,
                                      0, VK_WHOLE_SIZE}};
+    const VkBufferView texels[VELUM_BIND_VIEW_COUNT] = {
+        [VELUM_BIND_LIT_TEXELS] = v->lit.texels, [VELUM_BIND_RAYS_TEXELS] = v->rays.texels};
     static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
         [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
         [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -209,7 +211,9 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_LIT] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIT_LIST] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_RAYS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        [VELUM_BIND_LIGHT_VOLUME] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        [VELUM_BIND_LIGHT_VOLUME] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        [VELUM_BIND_LIT_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+        [VELUM_BIND_RAYS_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
         bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;
@@ -219,6 +223,7 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
                                            .descriptorCount = 1,
                                            .descriptorType = types[i],
                                            .pImageInfo = is_buffer ? NULL : &info[i],
+                                           .pTexelBufferView = &texels[i],
                                            .pBufferInfo = is_buffer ? &buffers[i] : NULL};
     }
     e->g.UpdateDescriptorSets(e->g.device, VELUM_BIND_VIEW_COUNT, writes, 0, NULL);
@@ -273,12 +278,14 @@ typedef struct view_passes {
 
 static view_passes passes_of(const eye *y, const camera *now, const history_turn *history, bool layered) {
     const bool has_own_air = now->is_aside || (history->has_depth && y->block.up[3] > SKY_TELLS_M);
+    const bool moves = history->way == HISTORY_MOVES;
     const pass resolve = (pass)(PASS_RESOLVE + (history->has_depth ? PASS_DEPTH : 0) + (has_own_air ? PASS_ASIDE : 0) +
-                                (layered ? PASS_LAYERED : 0) + (history->way == HISTORY_MOVES ? PASS_MOVES : 0) +
+                                (layered ? PASS_LAYERED : 0) + (moves ? PASS_MOVES : 0) +
+                                (moves && history->calm_turns != 0 ? PASS_STANDS : 0) +
                                 (history->way == HISTORY_KEEPS ? PASS_KEEPS : 0));
     const bool closes = (y->tiles.closing & y->plan.active_layers) != 0;
     const pass near_of_depth = history->has_depth ? PASS_NEAR_DEPTH : PASS_NEAR;
-    const pass near = history->way == HISTORY_MOVES ? near_of_depth : PASS_COUNT;
+    const pass near = moves ? near_of_depth : PASS_COUNT;
     const int kind = (blocks_mix(y->e) ? PASS_MIXED : 0) + (y->block.table[3] ? PASS_FRINGED : 0);
     if (plan_is_study(&y->plan)) {
         return (view_passes){.march = (pass)(PASS_MARCH_STUDY + kind),

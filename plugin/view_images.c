@@ -32,9 +32,16 @@ static void finish_rays(gpu *g, view *v) {
     gpu_buffer_finish(g, &v->rays);
 }
 
-static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
-    const VkBufferUsageFlags usage =
-        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+static bool init_rays(gpu *g, view *v, const char *name, uint32_t w, uint32_t h) {
+    const VkDeviceSize texels = list_at(w, h) / VELUM_LIT_BYTES;
+    if (texels > g->properties.limits.maxTexelBufferElements) {
+        log_write(g->sink, VELUM_LOG_ERROR, name, "rays: found %u x %u, expected at most %u in all on this device", w,
+                  h, g->properties.limits.maxTexelBufferElements / VELUM_LIT_ROOM);
+        g->result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+        return false;
+    }
+    const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                     VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     const VkDeviceSize blocks = (VkDeviceSize)w * h;
     const VkDeviceSize rays = blocks + blocks * VELUM_FINER_NINTHS / 9 * 3;
     const VkDeviceSize bytes = list_at(w, h) + (blocks * VELUM_LIT_ROOM + rays) * sizeof(uint32_t);
@@ -43,7 +50,9 @@ static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     bool ok = gpu_image_init_storage(g, &v->march_light, VK_FORMAT_R16G16B16A16_SFLOAT, w, h) &&
               gpu_image_init_storage(g, &v->march_distance, VK_FORMAT_R32_SFLOAT, w, h) &&
               gpu_buffer_init(g, &v->lit, bytes, usage, GPU_MEMORY_DEVICE) &&
-              gpu_buffer_init(g, &v->rays, ray_count * 2 * sizeof(uint32_t), usage, GPU_MEMORY_DEVICE);
+              gpu_buffer_view(g, &v->lit, VK_FORMAT_R16G16B16A16_SFLOAT, list_at(w, h)) &&
+              gpu_buffer_init(g, &v->rays, ray_count * 2 * sizeof(uint32_t), usage, GPU_MEMORY_DEVICE) &&
+              gpu_buffer_view(g, &v->rays, VK_FORMAT_R32G32_UINT, VK_WHOLE_SIZE);
     v->bytes += rays_bytes(v);
     return ok;
 }
@@ -54,7 +63,8 @@ bool view_images_init(view *v) {
         return reference_init(v);
     }
     /* Rays of one in 16 pixels; a plan that asks for more makes these grow. */
-    bool ok = init_rays(g, v, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
+    bool ok =
+        init_rays(g, v, v->name, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
     for (uint32_t i = 0; ok && i < 2; i++) {
         ok = gpu_image_init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
              gpu_image_init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
@@ -80,7 +90,7 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
     }
     view *grave = calloc(1, sizeof *grave);
     view grown = {0};
-    if (!grave || !init_rays(&e->g, &grown, rays_w, rays_h)) {
+    if (!grave || !init_rays(&e->g, &grown, v->name, rays_w, rays_h)) {
         finish_rays(&e->g, &grown);
         free(grave);
         return false;

@@ -29,7 +29,7 @@ float travels() {
 
 /* Whether history falls behind what there is: where the eye travels, clouds turn and their light changes. */
 bool history_lags() {
-    return calm_turns() == 0u && travels() > stays;
+    return !takes_turns() && travels() > stays;
 }
 
 /* What history holds where the point of a ray at some distance stood in the frame before. History keeps opacity times

@@ -3,6 +3,13 @@
 #define VELUM_NEAR_GLSL
 
 #include "view.glsl"
+#include "shared/lit.h"
+
+/* Whether calm tiles take turns: see calm_turns. Where pixels are resolved it is known. */
+layout(constant_id = 13) const uint turns_taken = VELUM_TURNS_ASKED;
+bool takes_turns() {
+    return turns_taken == VELUM_TURNS_ASKED ? calm_turns() != 0u : turns_taken == VELUM_TURNS_SOME;
+}
 
 /* Where a ray met no cloud, history is moved as if it had been so far away, or as far as rays go. */
 const float nothing_least_m = 60000.0;
@@ -40,7 +47,7 @@ float nearness(float distance_m, vec3 direction) {
     float ray_m = distance_m * (view.up.w - view.right.w) / float(view.march_size.x);
     vec3 way = view.offset.xyz - view.before_offset.xyz;
     float moved_m = length(way - dot(way, direction) * direction);
-    bool none = distance_m <= 0.0 || view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) || calm_turns() != 0u;
+    bool none = distance_m <= 0.0 || view_flag(VELUM_VIEW_BLOCK_ORTHOGRAPHIC) || takes_turns();
     float near = smoothstep(near_from, near_to, near_detail_m / max(ray_m, 1.0e-6)) *
                  smoothstep(near_moves_from, near_moves_to, moved_m / max(pixel_m, 1.0e-6));
     return none ? 0.0 : near;

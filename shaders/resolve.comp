@@ -13,6 +13,8 @@
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 1, binding = VELUM_BIND_MARCH_LIGHT_IN) uniform sampler2D march_light;
 layout(set = 1, binding = VELUM_BIND_MARCH_DISTANCE_IN) uniform sampler2D march_distance;
+layout(set = 1, binding = VELUM_BIND_LIT_TEXELS) uniform samplerBuffer lit_texels;
+layout(set = 1, binding = VELUM_BIND_RAYS_TEXELS) uniform usamplerBuffer rays_texels;
 /* resolve: the host's views are 2D (velum_vulkan_images.layers 0). resolve_layered: 2D arrays (layers >= 1). */
 #ifdef VELUM_LAYERED
 #define OUT_IMAGE image2DArray
@@ -65,7 +67,7 @@ float moved_pixels(history_place place, ivec2 pixel) {
 
 /* See trusted. In views that stand history moves in strides, and rays of calm tiles are of earlier frames. */
 float believed() {
-    return calm_turns() != 0u ? doubted : trusted;
+    return takes_turns() ? doubted : trusted;
 }
 
 vec4 excess_over(vec4 light, vec4 a, vec4 b) {
@@ -108,6 +110,15 @@ vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bo
     return light - toothed() * excess_of(light, seen);
 }
 
+/* What near.comp and gather.comp have left in lit, as they packed it; see finer_number. What many pixels read comes quicker
+ * as texels. */
+vec4 lit_halves(uint place) {
+    return texelFetch(lit_texels, int(place) + VELUM_LIT_HEAD_BYTES / VELUM_LIT_BYTES);
+}
+uint finer_number_of(ivec2 block) {
+    return view_flag(VELUM_VIEW_BLOCK_FINER) ? texelFetch(rays_texels, int(ray_of(block))).y : 0u;
+}
+
 /* What a ray of this frame has found. */
 struct found_ray {
     vec4 light;
@@ -119,7 +130,7 @@ struct found_ray {
 found_ray ray_found(ivec2 place, bool of_quarter) {
     ivec2 block = of_quarter ? place / 2 : place;
     uint which = of_quarter ? finer_which(place & 1) : 0u;
-    uint number = which != 0u ? finer_number(block) : 0u;
+    uint number = which != 0u ? finer_number_of(block) : 0u;
     which = number != 0u ? which : 0u;
     if (!moves) {
         ivec2 pixel = ray_pixel(block);
@@ -128,8 +139,8 @@ found_ray ray_found(ivec2 place, bool of_quarter) {
     }
     uint own = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
     uint head = which != 0u ? finer_head(block_count(), number - 1u, which) : own;
-    vec2 ways_m = unpack_ways(lit[head + 1u].x);
-    return found_ray(unpack_halves(lit[head]), ways_m.x, ways_m.y);
+    vec2 ways_m = way_unit_m * lit_halves(head + 1u).xy;
+    return found_ray(lit_halves(head), ways_m.x, ways_m.y);
 }
 
 /* Whether what a ray has found is as good for a pixel whose own way ends so far away. */
@@ -175,7 +186,7 @@ vec4 caught_up(ivec2 pixel, vec4 light, float held_m, float end_m) {
         bool fit = found_fits(there, end_m) && alike(held_m, met_m(there.distance_m));
         uint head = own_head(ray_of(block), view_flag(VELUM_VIEW_BLOCK_FINER));
         float tells = fit ? share.x * share.y * sees_alike(abs(there.light.a - light.a)) : 0.0;
-        lag += tells * unpack_halves(lit[head + 2u]);
+        lag += tells * lit_halves(head + 2u);
     }
     return light + caught_share * travels() * clamp(lag, -light, vec4(light.rgb, 1.0 - light.a));
 }
@@ -240,9 +251,9 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
     ivec2 last = ivec2(view.march_size.xy) - 1;
-    bool finer = moves && finer_number(block) != 0u;
+    bool finer = moves && finer_number_of(block) != 0u;
     ivec2 within = pixel - block * side;
-    bool own = within == turn && block_has_ray(block);
+    bool own = within == turn && (!takes_turns() || block_has_ray(block));
     vec2 middle = vec2(turn);
     if (finer) {
         side = quarter_size();
@@ -396,7 +407,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         old.distance_m = distance_in(opacity * old.distance_m + added * fresh.distance_m, opacity + added);
         old.light = calm ? old.light : held;
         count = count < has_ray ? 0.0 : max(count, 1.0);
-        float moved = calm_turns() != 0u ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
+        float moved = takes_turns() ? 0.0 : smoothstep(renewed_from, renewed_to, moved_pixels(place, pixel));
         count = min(count, mix(view.scale.w, 1.0, moved));
         renewed = moved * (alike(place.held_m, met_m(fresh.distance_m)) ? renewed_share() : 1.0);
     }
@@ -415,7 +426,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     } else {
         result = old;
         /* What history counts for when a ray comes is asked then; what has had its rays keeps them while the view stands. */
-        bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || calm_turns() != 0u);
+        bool stands = !view_flag(VELUM_VIEW_BLOCK_SETTLE) && (!moves || takes_turns());
         result.samples = stands ? stepped(old, count) : count;
     }
     if (moves) {
@@ -425,12 +436,12 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
         result.distance_m = distance_in(product, 1.0 - result.light.a);
     }
     shown = result.light;
-    if (moves && calm_turns() == 0u && result.distance_m > 0.0) {
+    if (moves && !takes_turns() && result.distance_m > 0.0) {
         /* As history itself is: see held. */
         vec4 slack = own || calm ? vec4(1.0e9) : (high - low) * 0.25 + vec4(high.rgb, 1.0) * 0.02;
         bool ended = has_depth && hit_m >= 0.0 && shown.a >= shut;
         shown = evened(shown, old_pixel, stood_beside, low - slack, high + slack, ended);
-    } else if (!moves || calm_turns() != 0u) {
+    } else if (!moves || takes_turns()) {
         shown = shown_at_rest(result, old_pixel, ray, hit_m);
     }
     return result;
@@ -492,7 +503,7 @@ void main() {
         change += cloud.change.a * sky.luminance * share;
         transmittance *= air;
     }
-    if (!keeps) {
+    if (!keeps && takes_turns()) {
         history_unrest(pixel / ray_block_size(), vec4(change, cloud.change.a), light);
     }
     if (draws_ground && !host && ground >= 0.0) {

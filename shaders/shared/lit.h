@@ -18,6 +18,10 @@
 #define VELUM_FINER_NINTHS 2
 #define VELUM_FINER_BLOCKS (64.0f * 2.0f / 9.0f)
 #define VELUM_FINER_CONTRAST 0.5f
+/* Of a pipeline: whether rays of calm tiles take turns (view.glsl), or that it asks the view. */
+#define VELUM_TURNS_NONE 0u
+#define VELUM_TURNS_SOME 1u
+#define VELUM_TURNS_ASKED 2u
 /* Columns of dispatches over lists; rows as many as it takes. */
 #define VELUM_LIT_COLUMNS 16
 
