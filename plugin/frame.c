@@ -74,7 +74,7 @@ bool frame_uniform(engine *e, const void *block, uint32_t size, uint32_t *offset
 static bool create_pool(gpu *g, VkDescriptorPool *out) {
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 2 * FRAME_POOL_SETS},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 5 * FRAME_POOL_SETS},
-                                          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 2 * FRAME_POOL_SETS},
+                                          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 3 * FRAME_POOL_SETS},
                                           {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8 * FRAME_POOL_SETS},
                                           {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 7 * FRAME_POOL_SETS}};
     VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,

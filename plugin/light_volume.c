@@ -9,6 +9,8 @@
 
 #define CELL_M 100.0f /* of plans that name none */
 
+_Static_assert(sizeof(velum_light_volume_block) == VELUM_LIGHT_VOLUME_HEAD * 4 * sizeof(float), "before the cells");
+
 static float cell_of(const velum_plan *plan) {
     return plan->volume_cell_m > 0.0f ? plan->volume_cell_m : CELL_M;
 }
@@ -41,7 +43,10 @@ bool light_volume_grow(view *v, const velum_plan *plan) {
     light_volume grown = {0};
     if (!grave ||
         !gpu_buffer_init(&e->g, &grown.buffer, bytes_of(plan),
-                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, GPU_MEMORY_DEVICE)) {
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                             VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                         GPU_MEMORY_DEVICE) ||
+        !gpu_buffer_view(&e->g, &grown.buffer, VK_FORMAT_R32G32B32A32_SFLOAT, VK_WHOLE_SIZE)) {
         gpu_buffer_finish(&e->g, &grown.buffer);
         free(grave);
         return false;
@@ -112,7 +117,8 @@ static void record_block(view *v, VkCommandBuffer commands, const velum_light_vo
     gpu *g = &v->eye->e->g;
     const VkPipelineStageFlags2 compute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
     const VkPipelineStageFlags2 copy = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-    const VkAccessFlags2 both = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    const VkAccessFlags2 both = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_SAMPLED_READ_BIT |
+                                VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     gpu_barrier(g, commands, compute | copy, both | VK_ACCESS_2_TRANSFER_WRITE_BIT, copy,
                 VK_ACCESS_2_TRANSFER_WRITE_BIT);
     g->CmdUpdateBuffer(commands, v->light_volume.buffer.buffer, 0, sizeof *block, block);
@@ -133,7 +139,8 @@ void light_volume_record(view *v, VkCommandBuffer commands, const velum_plan *pl
         record_block(v, commands, &block);
         record_dispatch(e, commands, fill, columns, lines);
         gpu_barrier(&e->g, commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
+                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                    VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
         record_dispatch(e, commands, PASS_VOLUME_SUN, columns, lines);
         for (uint32_t i = 0; i < VELUM_LIGHT_VOLUME_PASSES; i++) {
             block.grid[2] = i;

@@ -393,7 +393,8 @@ VkPipeline pipelines_tracer(pipelines *p, gpu *g, bool mixes, bool air, uint32_t
 
 velum_result pipelines_init(pipelines *p, gpu *g, const void *blob, uint64_t blob_size, bool arrays) {
     static const int engine_types[VELUM_BIND_COUNT] = {U, B, T, T, T, T, T, I, T, I, T, I, T, U, T, B};
-    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I, I, T, B, B, B, B, B, X, X};
+    static const int view_types[VELUM_BIND_VIEW_COUNT] = {U, I, I, T, T, T, T, I, I, I, I,
+                                                          I, T, B, B, B, B, B, X, X, X};
     static const int shadow_types[2] = {U, I};
     *p = (pipelines){0};
     bool known = blob_is_ours(g, blob, blob_size);

@@ -191,8 +191,11 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_RAYS] = {v->rays.buffer, 0, VK_WHOLE_SIZE},
         [VELUM_BIND_LIGHT_VOLUME] = {v->light_volume.buffer.size > 0 ? v->light_volume.buffer.buffer : v->rays.buffer,
                                      0, VK_WHOLE_SIZE}};
-    const VkBufferView texels[VELUM_BIND_VIEW_COUNT] = {
-        [VELUM_BIND_LIT_TEXELS] = v->lit.texels, [VELUM_BIND_RAYS_TEXELS] = v->rays.texels};
+    const VkBufferView volume_texels = v->light_volume.buffer.texels;
+    const VkBufferView texels[VELUM_BIND_VIEW_COUNT] = {[VELUM_BIND_LIT_TEXELS] = v->lit.texels,
+                                                        [VELUM_BIND_RAYS_TEXELS] = v->rays.texels,
+                                                        [VELUM_BIND_LIGHT_VOLUME_TEXELS] =
+                                                            volume_texels ? volume_texels : v->lit.texels};
     static const VkDescriptorType types[VELUM_BIND_VIEW_COUNT] = {
         [VELUM_BIND_VIEW] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC,
         [VELUM_BIND_MARCH_LIGHT] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -213,7 +216,8 @@ static bool write_view_set(engine *e, const view *v, const velum_vulkan_images *
         [VELUM_BIND_RAYS] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIGHT_VOLUME] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         [VELUM_BIND_LIT_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
-        [VELUM_BIND_RAYS_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER};
+        [VELUM_BIND_RAYS_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+        [VELUM_BIND_LIGHT_VOLUME_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER};
     VkWriteDescriptorSet writes[VELUM_BIND_VIEW_COUNT];
     for (uint32_t i = 0; i < VELUM_BIND_VIEW_COUNT; i++) {
         bool is_buffer = buffers[i].buffer != VK_NULL_HANDLE;

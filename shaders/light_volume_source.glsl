@@ -27,11 +27,11 @@ volume_light volume_light_at(vec3 place) {
         ivec3 corner = ivec3(i & 1, i >> 1 & 1, i >> 2);
         int at = volume_index(first + corner);
         vec3 weights = mix(1.0 - share, share, vec3(corner));
-        vec4 light = volume_cells[volume_newest() * count + at];
+        vec4 light = volume_cell(volume_newest() * count + at);
         float weight = weights.x * weights.y * weights.z * light.w;
         sum.light += weight * light.rgb;
-        sum.sun += weight * volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb;
-        sum.flux += weight * volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + at].xyz;
+        sum.sun += weight * volume_cell(VELUM_LIGHT_VOLUME_SUN * count + at).rgb;
+        sum.flux += weight * volume_cell(VELUM_LIGHT_VOLUME_FLUX * count + at).xyz;
         sum.transport_1_m += weight * light.w;
         whole += weight;
     }

@@ -46,8 +46,8 @@ void main() {
     }
     int count = volume_count();
     int newest = volume_newest() * count;
-    vec4 old = volume_cells[newest + index];
-    vec4 old_flux = volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index];
+    vec4 old = volume_cell(newest + index);
+    vec3 old_flux = volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index].xyz;
     if (old.w <= 0.0) {
         return;
     }
@@ -74,11 +74,11 @@ void main() {
         vec3 ray_light = vec3(0.0);
         for (int k = 0; k < steps && through > dark && !volume_walk_ends(walk); ++k) {
             int at = volume_index(walk.cell);
-            vec4 there = volume_cells[newest + at];
+            vec4 there = volume_cell(newest + at);
             float way_m = walk.to_m - walk.from_m;
             float cloud = volume_crossed(walk, at, there.w);
             float all = cloud + air.dims_1_m * way_m;
-            vec3 source = cloud * (there.rgb + volume_cells[VELUM_LIGHT_VOLUME_SUN * count + at].rgb) + air.light_1_m * way_m;
+            vec3 source = cloud * (there.rgb + volume_cell(VELUM_LIGHT_VOLUME_SUN * count + at).rgb) + air.light_1_m * way_m;
             ray_light += through * velum_mean_transmittance(all) * source;
             through *= exp(-all);
             walk = volume_walk_on(walk);
@@ -89,5 +89,5 @@ void main() {
         flux -= direction * (dot(ray_light, VELUM_LUMINANCE_OF) / float(rays));
     }
     volume_cells[(1 - volume_newest()) * count + index] = vec4(max(mix(old.rgb, light, volume.span.z), 0.0), old.w);
-    volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index] = vec4(mix(old_flux.xyz, flux, volume.span.z), old_flux.w);
+    volume_cells[VELUM_LIGHT_VOLUME_FLUX * count + index].xyz = mix(old_flux, flux, volume.span.z);
 }

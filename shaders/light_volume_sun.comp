@@ -17,7 +17,7 @@ void main() {
     }
     int count = volume_count();
     volume_box box = volume_box_at(index);
-    bool cloud = volume_cells[VELUM_LIGHT_VOLUME_EVEN * count + index].w > 0.0;
+    bool cloud = volume_cell(VELUM_LIGHT_VOLUME_EVEN * count + index).w > 0.0;
     vec3 to_sun = volume_east_north_up(eye.sun.xyz) / vec3(volume.east.ww, volume.north.w);
     volume_chance chance = volume_chance(uint(index), 0u);
     float mean = 0.0;
@@ -26,7 +26,7 @@ void main() {
         float depth = 0.0;
         for (int k = 0; k < steps && depth < dark && !volume_walk_ends(walk); ++k) {
             int at = volume_index(walk.cell);
-            depth += volume_crossed(walk, at, volume_cells[VELUM_LIGHT_VOLUME_EVEN * count + at].w);
+            depth += volume_crossed(walk, at, volume_cell(VELUM_LIGHT_VOLUME_EVEN * count + at).w);
             walk = volume_walk_on(walk);
         }
         mean += exp(-depth) / float(rays);

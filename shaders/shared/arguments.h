@@ -161,7 +161,8 @@ VELUM_STRUCT(velum_shadow_level_block) {
 #define VELUM_BIND_LIGHT_VOLUME 17 /* storage: shared/light_volume.h, or a dummy */
 #define VELUM_BIND_LIT_TEXELS 18 /* samplerBuffer RGBA16F: VELUM_BIND_LIT, of which the reader knows what are halves */
 #define VELUM_BIND_RAYS_TEXELS 19 /* usamplerBuffer RG32UI: VELUM_BIND_RAYS */
-#define VELUM_BIND_VIEW_COUNT 20
+#define VELUM_BIND_LIGHT_VOLUME_TEXELS 20 /* samplerBuffer RGBA32F: VELUM_BIND_LIGHT_VOLUME, or a dummy */
+#define VELUM_BIND_VIEW_COUNT 21
 
 /* Set 1 of the shadow pass. */
 #define VELUM_BIND_SHADOW_LEVEL 0 /* uniform velum_shadow_level_block, dynamic offset */

@@ -21,7 +21,8 @@
 #define VELUM_LIGHT_VOLUME_SETTLED 56
 #define VELUM_LIGHT_VOLUME_STRIDE 1.6f
 
-/* In front of the cells. */
+/* In front of the cells, as many vectors as here. */
+#define VELUM_LIGHT_VOLUME_HEAD 4
 VELUM_STRUCT(velum_light_volume_block) {
     VELUM_VEC4(east);  /* level, ECEF, unit: east and north, but near a pole any two; side of a cell m */
     VELUM_VEC4(north); /* height of a cell m */
