@@ -27,7 +27,8 @@ enum {
     STAGE_TOTAL_BYTES = 10 << 20, /* over all frames in flight */
     RENDER_TILES = 16,            /* rasterised by a frame at most where the host does not prepare() */
     SHADOW_LEVELS_MAX = 4,
-    PATH_BLOCK = 4, /* pixels of a march block's side, as presets have it */
+    VIEW_SIDE_MOST = 8192, /* pixels */
+    PATH_BLOCK = 4,        /* pixels of a march block's side, as presets have it */
     RAY_RATE_MOST = 64,
     STANDING_RAY_RATE_MOST = 256
 };
@@ -390,7 +391,8 @@ void objects_bury(engine *e); /* frees what the device has passed */
 /* view_images.c: what a view has of the device. */
 bool view_images_init(view *v);
 void view_images_finish(gpu *g, view *v);
-/* Room for so many rays; what is too small is buried. */
+/* Whether the device can hold so many rays; room for them: what is too small is buried. */
+bool view_images_hold(const view *v, uint32_t rays_w, uint32_t rays_h);
 bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h);
 /* Where the list of places begins in view.lit. */
 VkDeviceSize view_images_list_at(const view *v);

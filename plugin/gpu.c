@@ -311,6 +311,10 @@ velum_result gpu_check_device(PFN_vkGetInstanceProcAddr get, VkInstance instance
         missing = "10 storage images a stage";
     } else if (properties.properties.limits.maxPerStageDescriptorStorageBuffers < 7) {
         missing = "7 storage buffers a stage";
+    } else if (properties.properties.limits.maxPerStageDescriptorSampledImages < 17) {
+        missing = "17 sampled images a stage";
+    } else if (properties.properties.limits.maxTexelBufferElements < GPU_TEXELS_LEAST) {
+        missing = "texel buffers of 33554432 texels";
     } else if (!format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16G16B16A16_UNORM, texture) ||
                !format_can(formats.GetPhysicalDeviceFormatProperties2, device, VK_FORMAT_R16_UNORM, texture)) {
         missing = "linear filtering of R16G16B16A16_UNORM and R16_UNORM";

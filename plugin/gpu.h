@@ -147,7 +147,9 @@ typedef struct gpu_image_desc {
 } gpu_image_desc;
 
 bool gpu_buffer_init(gpu *g, gpu_buffer *buffer, VkDeviceSize size, VkBufferUsageFlags usage, gpu_memory_kind kind);
-/* Of its first bytes, as texels of a format. */
+/* What a device's texel buffers hold at least: rays of any view, one for 16 pixels. */
+#define GPU_TEXELS_LEAST (1u << 25)
+/* As texels of a format: so many bytes, or VK_WHOLE_SIZE. */
 bool gpu_buffer_view(gpu *g, gpu_buffer *buffer, VkFormat format, VkDeviceSize bytes);
 void gpu_buffer_finish(gpu *g, gpu_buffer *buffer);
 bool gpu_image_init(gpu *g, gpu_image *image, const gpu_image_desc *desc);

@@ -145,8 +145,8 @@ velum_result view_create(eye *y, const velum_view_desc *desc, velum_view **out) 
     velum_view_desc d;
     if (!check_pointer(&check, "out", out) || !is_idle(&check, e) ||
         !check_in(&check, "desc", &d, sizeof d, desc, V1_VIEW_DESC) || !check_flags(&check, "desc.flags", d.flags, 0) ||
-        !check_count(&check, "desc.width", d.width, 1, 8192) ||
-        !check_count(&check, "desc.height", d.height, 1, 8192)) {
+        !check_count(&check, "desc.width", d.width, 1, VIEW_SIDE_MOST) ||
+        !check_count(&check, "desc.height", d.height, 1, VIEW_SIDE_MOST)) {
         return check.result;
     }
     view *v = calloc(1, sizeof *v);

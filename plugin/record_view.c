@@ -70,6 +70,16 @@ static block_size block_of(uint32_t ray_rate) {
     return side;
 }
 
+/* Pictures of some 22 million pixels and more have fewer rays than their plan says: texel buffers hold no more. */
+static uint32_t rate_that_fits(const view *v, uint32_t ray_rate) {
+    for (;; ray_rate *= 2) {
+        const block_size side = block_of(ray_rate);
+        if (view_images_hold(v, (v->width + side.w - 1) / side.w, (v->height + side.h - 1) / side.h)) {
+            return ray_rate;
+        }
+    }
+}
+
 /* Order of the pixels of a block: a dispersed-dot threshold matrix (Bayer 1973), by which any first n are spread. A
  * block twice as wide as high is two such, in turn. */
 static void place_of_turn(block_size side, uint32_t turn, uint32_t *x, uint32_t *y) {
@@ -513,6 +523,7 @@ velum_result record_view(view *v, VkCommandBuffer commands, const velum_view_fra
     }
     camera now = camera_of(y, &f, &im);
     velum_plan plan = y->plan;
+    plan.ray_rate = rate_that_fits(v, plan.ray_rate);
     const history_turn history = history_take(v, (f.flags & VELUM_VIEW_CUT) != 0, &now, &plan);
     const block_size side = block_of(plan.ray_rate);
     const view_passes passes = passes_of(y, &now, &history, im.layers != 0);

@@ -19,6 +19,11 @@ VkDeviceSize view_images_list_at(const view *v) {
     return list_at(v->march_light.extent.width, v->march_light.extent.height);
 }
 
+bool view_images_hold(const view *v, uint32_t rays_w, uint32_t rays_h) {
+    const gpu *g = &v->eye->e->g;
+    return list_at(rays_w, rays_h) / VELUM_LIT_BYTES <= g->properties.limits.maxTexelBufferElements;
+}
+
 static VkDeviceSize rays_bytes(const view *v) {
     return v->march_light.allocation.size + v->march_distance.allocation.size + v->lit.allocation.size +
            v->rays.allocation.size;
@@ -32,14 +37,7 @@ static void finish_rays(gpu *g, view *v) {
     gpu_buffer_finish(g, &v->rays);
 }
 
-static bool init_rays(gpu *g, view *v, const char *name, uint32_t w, uint32_t h) {
-    const VkDeviceSize texels = list_at(w, h) / VELUM_LIT_BYTES;
-    if (texels > g->properties.limits.maxTexelBufferElements) {
-        log_write(g->sink, VELUM_LOG_ERROR, name, "rays: found %u x %u, expected at most %u in all on this device", w,
-                  h, g->properties.limits.maxTexelBufferElements / VELUM_LIT_ROOM);
-        g->result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-        return false;
-    }
+static bool init_rays(gpu *g, view *v, uint32_t w, uint32_t h) {
     const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     const VkDeviceSize blocks = (VkDeviceSize)w * h;
@@ -57,14 +55,16 @@ static bool init_rays(gpu *g, view *v, const char *name, uint32_t w, uint32_t h)
     return ok;
 }
 
+_Static_assert(VIEW_SIDE_MOST / PATH_BLOCK * (VIEW_SIDE_MOST / PATH_BLOCK) * VELUM_LIT_ROOM + 64 <= GPU_TEXELS_LEAST,
+               "rays that every view begins with");
+
 bool view_images_init(view *v) {
     gpu *g = &v->eye->e->g;
     if (v->eye->quality == VELUM_QUALITY_REFERENCE) {
         return reference_init(v);
     }
     /* Rays of one in 16 pixels; a plan that asks for more makes these grow. */
-    bool ok =
-        init_rays(g, v, v->name, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
+    bool ok = init_rays(g, v, (v->width + PATH_BLOCK - 1) / PATH_BLOCK, (v->height + PATH_BLOCK - 1) / PATH_BLOCK);
     for (uint32_t i = 0; ok && i < 2; i++) {
         ok = gpu_image_init_storage(g, &v->history[i], VK_FORMAT_R16G16B16A16_SFLOAT, v->width, v->height) &&
              gpu_image_init_storage(g, &v->history_data[i], VK_FORMAT_R16G16_SFLOAT, v->width, v->height);
@@ -90,7 +90,7 @@ bool view_images_grow(view *v, uint32_t rays_w, uint32_t rays_h) {
     }
     view *grave = calloc(1, sizeof *grave);
     view grown = {0};
-    if (!grave || !init_rays(&e->g, &grown, v->name, rays_w, rays_h)) {
+    if (!grave || !init_rays(&e->g, &grown, rays_w, rays_h)) {
         finish_rays(&e->g, &grown);
         free(grave);
         return false;

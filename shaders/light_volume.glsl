@@ -14,7 +14,7 @@ layout(set = 1, binding = VELUM_BIND_LIGHT_VOLUME, std430) buffer light_volume_b
     velum_light_volume_block volume;
     vec4 volume_cells[];
 };
-/* The same to read, which is quicker. While a pass runs no bytes may be read that it writes. */
+/* The same to read, which is quicker. Of what a running pass writes nothing is used. */
 layout(set = 1, binding = VELUM_BIND_LIGHT_VOLUME_TEXELS) uniform samplerBuffer volume_texels;
 vec4 volume_cell(int at) {
     return texelFetch(volume_texels, VELUM_LIGHT_VOLUME_HEAD + at);

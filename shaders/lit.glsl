@@ -50,9 +50,6 @@ uint pack_ways(float distance_m, float end_m) {
     float met_m = distance_m > 0.0 ? max(distance_m, way_least_m) : 0.0;
     return packHalf2x16(min(vec2(met_m, end_m) / way_unit_m, vec2(most_half)));
 }
-vec2 unpack_ways(uint ways) {
-    return way_unit_m * unpackHalf2x16(ways);
-}
 
 /* An invocation's place in a list, in a dispatch over that; rows of such a dispatch. */
 uint listed_index() {

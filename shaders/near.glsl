@@ -5,7 +5,7 @@
 #include "view.glsl"
 #include "shared/lit.h"
 
-/* Whether calm tiles take turns: see calm_turns. Where pixels are resolved it is known. */
+/* Whether calm tiles take turns: see calm_turns. Pipelines that resolve pixels in motion know it. */
 layout(constant_id = 13) const uint turns_taken = VELUM_TURNS_ASKED;
 bool takes_turns() {
     return turns_taken == VELUM_TURNS_ASKED ? calm_turns() != 0u : turns_taken == VELUM_TURNS_SOME;

@@ -110,12 +110,12 @@ vec4 evened(vec4 light, ivec2 cell, light_beside beside, vec4 low, vec4 high, bo
     return light - toothed() * excess_of(light, seen);
 }
 
-/* What near.comp and gather.comp have left in lit, as they packed it; see finer_number. What many pixels read comes quicker
- * as texels. */
+/* What many pixels read comes quicker as texels: what near.comp and gather.comp have left in lit, as they packed it. */
 vec4 lit_halves(uint place) {
     return texelFetch(lit_texels, int(place) + VELUM_LIT_HEAD_BYTES / VELUM_LIT_BYTES);
 }
-uint finer_number_of(ivec2 block) {
+/* Number of a block among the finer ones, and one; 0: it is none. */
+uint finer_number(ivec2 block) {
     return view_flag(VELUM_VIEW_BLOCK_FINER) ? texelFetch(rays_texels, int(ray_of(block))).y : 0u;
 }
 
@@ -130,7 +130,7 @@ struct found_ray {
 found_ray ray_found(ivec2 place, bool of_quarter) {
     ivec2 block = of_quarter ? place / 2 : place;
     uint which = of_quarter ? finer_which(place & 1) : 0u;
-    uint number = which != 0u ? finer_number_of(block) : 0u;
+    uint number = which != 0u ? finer_number(block) : 0u;
     which = number != 0u ? which : 0u;
     if (!moves) {
         ivec2 pixel = ray_pixel(block);
@@ -251,7 +251,7 @@ cloud_pixel resolve_cloud(ivec2 pixel, view_ray ray, float hit_m, out vec4 shown
     ivec2 block = pixel / side;
     ivec2 turn = ray_turn(block.y);
     ivec2 last = ivec2(view.march_size.xy) - 1;
-    bool finer = moves && finer_number_of(block) != 0u;
+    bool finer = moves && finer_number(block) != 0u;
     ivec2 within = pixel - block * side;
     bool own = within == turn && (!takes_turns() || block_has_ray(block));
     vec2 middle = vec2(turn);

@@ -118,10 +118,6 @@ uint finer_which(ivec2 quarter) {
     ivec2 apart = quarter ^ (ray_turn(0) / quarter_size());
     return uint(apart.x + 2 * apart.y);
 }
-/* Number of a block among the finer ones, and one; 0: it is none. */
-uint finer_number(ivec2 block) {
-    return view_flag(VELUM_VIEW_BLOCK_FINER) ? rays[ray_of(block)].y : 0u;
-}
 ivec2 finer_pixel(ivec2 block, uint which) {
     return min(block * ray_block_size() + finer_turn(block.y, which), ivec2(view.size.xy) - 1);
 }

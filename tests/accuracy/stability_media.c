@@ -57,16 +57,11 @@ typedef struct step_pose {
 
 static const step_pose step_poses[] = {{"below", 300.0, 50.0}, {"above", 2500.0, -50.0}, {"within", 1500.0, 30.0}};
 
-/* A layer seen by steps of so many metres, one ray a pixel. Null layers: those of before, by the same view. */
+/* A layer seen by steps of so many metres, one ray a pixel. */
 static bool draw_steps(trial *t, const char *layers, const stage_camera *c, double step_m) {
-    if (layers) {
-        trial_weather w = trial_no_air(layers);
-        /* The first frame makes the plan. */
-        if (!trial_load(t, &w) || !trial_open(t, 16, 9) || !trial_draw(t, c, 0.0, VELUM_VIEW_CUT, 1)) {
-            return false;
-        }
-    }
-    return trial_plan(t, set_step, step_m) && trial_draw(t, c, 0.0, VELUM_VIEW_CUT, 8);
+    trial_weather w = trial_no_air(layers);
+    return (!layers || trial_load(t, &w)) && trial_open(t, 16, 9) && trial_draw(t, c, 0.0, VELUM_VIEW_CUT, 1) &&
+           trial_plan(t, set_step, step_m) && trial_draw(t, c, 0.0, VELUM_VIEW_CUT, 8);
 }
 
 static const double steps_m[] = {1.0, 10.0, 100.0, 1000.0, 10000.0};

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "motion_rig.h"
+#include "shared/lit.h"
 
 /* An eye that rises out of a sheet of fog and looks level: nothing of the fog stays. */
 static void what_is_left_behind_goes(void **state) {
@@ -384,8 +385,36 @@ static void surfaces_behind_clouds_cost_no_history(void **state) {
     assert_true(before_surface <= 1.1 * before_sky);
 }
 
+/* Where a device's texel buffers have no room for a ray for each pixel, there are as many as there is room for, and the
+ * picture is much the same. */
+static void rays_are_as_many_as_texels_hold(void **state) {
+    (void)state;
+    static float all[PIXELS * 3];
+    static motion_rig r;
+    const velum_layer cumulus = fixture_cumulus();
+    const double under_m = (double)cumulus.base_m - 700.0;
+    motion_rig_init(&r, &cumulus);
+    motion_stand(&r, under_m, 1);
+    velum_plan plan = {.struct_size = sizeof plan};
+    assert_int_equal(r.f.engine_api->get_plan(r.f.eye, &plan, NULL), VELUM_OK);
+    plan.ray_rate = 1;
+    plan.standing_ray_rate = 0;
+    assert_int_equal(r.f.engine_api->set_plan(r.f.eye, &plan), VELUM_OK);
+    motion_stand(&r, under_m, AT_REST);
+    assert_int_equal(motion_rays(&r), PIXELS);
+    memcpy(all, r.light, sizeof all);
+    fixture_limit_texels(r.f.engine, PIXELS / 2 * VELUM_LIT_ROOM);
+    motion_stand(&r, under_m, AT_REST);
+    const double share = (double)motion_rays(&r) / PIXELS, light = motion_light_of(all, &r);
+    print_message("with texels for half of the rays: %.3f of them, %.4f of the light\n", share, 1.0 / light);
+    assert_true(share >= 0.25 && share < 0.5);
+    assert_true(fabs(light - 1.0) <= 0.01);
+    motion_rig_finish(&r);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_left_behind_goes),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rays_are_as_many_as_texels_hold),
+                                       cmocka_unit_test(what_is_left_behind_goes),
                                        cmocka_unit_test(jitter_carries_nothing_away),
                                        cmocka_unit_test(depth_parts_what_is_before_from_what_is_behind),
                                        cmocka_unit_test(lag_is_told_of_what_it_is_found_in),

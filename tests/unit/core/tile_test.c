@@ -18,8 +18,7 @@ static uint32_t key_at(double lat_deg, double lon_deg, uint32_t level) {
                           (uint32_t)velum_tile_coordinate(p.v, level));
 }
 
-/* One slot at a place, from the tile of that level, as the GPU looks it up. */
-/* All slots at a place of a level. */
+/* All slots at a place, from the tile of that level, as the GPU looks them up. */
 static void look_up_all(const core_state *state, const double n[3], uint32_t level,
                         velum_slot_fields out[VELUM_SLOT_COUNT]) {
     velum_face_place p = velum_face_of((float)n[0], (float)n[1], (float)n[2]);
