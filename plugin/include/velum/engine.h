@@ -240,7 +240,8 @@ typedef struct velum_plan {
     uint32_t march_steps;   /* along a ray, at most: 1..4096. They grow up to 17 times as long as they run out */
     uint32_t light_steps;   /* towards the sun: 1..64. A ray is lit at half as many places and one more, but at 4 to 6,
                                and at no more than 3 in frames in which blocks have more rays (finer_rays) */
-    uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4, 8, 16, 32 or 64 */
+    uint32_t ray_rate;      /* one ray for so many pixels: 1, 2, 4, 8, 16, 32 or 64. Pictures of more rays than the
+                               device has room for (22 million of 2^27 texels) are drawn with fewer */
     uint32_t octaves;       /* of VELUM_SCATTERING_OCTAVES, 1..8. Of the reference: greatest order; 0: all */
     uint32_t blending;      /* 1: two weather states are mixed */
     float step_m;           /* least step that looks for cloud, 1..10000, beyond the first few, which begin at 12 m;
