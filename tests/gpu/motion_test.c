@@ -189,9 +189,10 @@ typedef struct flown {
     uint32_t rays;                                /* a frame */
 } flown;
 
-/* Under a field of cumulus, rising at 120 m/s. */
-static void fly(motion_rig *r, uint32_t ray_rate, bool finer, flown *out) {
-    enum { FRAMES = 40 };
+enum { FLIGHT_FRAMES = 40 };
+
+/* Of the eye under a field of cumulus. */
+static double begin_flight(motion_rig *r, uint32_t ray_rate, bool finer) {
     const velum_layer cumulus = fixture_cumulus();
     velum_plan plan = {.struct_size = sizeof plan};
     motion_rig_init(r, &cumulus);
@@ -202,25 +203,41 @@ static void fly(motion_rig *r, uint32_t ray_rate, bool finer, flown *out) {
     plan.ray_rate = ray_rate;
     plan.finer_rays = finer;
     assert_int_equal(r->f.engine_api->set_plan(r->f.eye, &plan), VELUM_OK);
+    return from_m;
+}
+
+static void keep(const motion_rig *r, flown *out) {
+    memcpy(out->light, r->light, sizeof out->light);
+    memcpy(out->through, r->through, sizeof out->through);
+}
+
+/* Where a flight ends. */
+static void rest(motion_rig *r, flown *out) {
+    const double from_m = begin_flight(r, 1, false);
+    r->time_s = FLIGHT_FRAMES * FRAME_S;
+    for (uint32_t i = 0; i < 16; i++) {
+        motion_draw(r, from_m + 2.0 * (FLIGHT_FRAMES - 1), 0.5, motion_steady, i == 0 ? VELUM_VIEW_CUT : 0);
+    }
+    keep(r, out);
+    motion_rig_finish(r);
+}
+
+/* Rising at 120 m/s. */
+static void fly(motion_rig *r, uint32_t ray_rate, bool finer, const flown *rested, flown *out) {
+    const double from_m = begin_flight(r, ray_rate, finer);
     out->rays = 0;
-    for (uint32_t i = 0; i < FRAMES; i++) {
+    for (uint32_t i = 0; i < FLIGHT_FRAMES; i++) {
         r->time_s += FRAME_S;
         motion_draw(r, from_m + 2.0 * i, 0.5, motion_steady, i == 0 ? VELUM_VIEW_CUT : 0);
         out->rays += i == 0 ? 0 : motion_rays(r);
     }
-    out->rays /= FRAMES - 1;
-    memcpy(out->light, r->light, sizeof out->light);
-    memcpy(out->through, r->through, sizeof out->through);
-    plan.ray_rate = 1;
-    assert_int_equal(r->f.engine_api->set_plan(r->f.eye, &plan), VELUM_OK);
-    for (uint32_t i = 0; i < 16; i++) {
-        motion_draw(r, from_m + 2.0 * (FRAMES - 1), 0.5, motion_steady, i == 0 ? VELUM_VIEW_CUT : 0);
-    }
-    out->off = motion_apart(r, out->through);
+    out->rays /= FLIGHT_FRAMES - 1;
+    keep(r, out);
+    out->off = motion_apart(r, rested->through);
     double all = 0.0, off = 0.0;
     for (int i = 0; i < PIXELS * 3; i++) {
-        off += fabs((double)out->light[i] - (double)r->light[i]);
-        all += (double)r->light[i];
+        off += fabs((double)out->light[i] - (double)rested->light[i]);
+        all += (double)rested->light[i];
     }
     out->light_off = off / all;
     motion_rig_finish(r);
@@ -230,12 +247,13 @@ static void fly(motion_rig *r, uint32_t ray_rate, bool finer, flown *out) {
  * blocks have them does not go by the order in which the device comes to them. */
 static void blocks_of_moving_views_have_more_rays_where_rays_differ(void **state) {
     (void)state;
-    static flown coarse, finer, again;
+    static flown rested, coarse, finer, again;
     static motion_rig r;
+    rest(&r, &rested);
     for (uint32_t rate = 4; rate <= 64; rate *= 4) {
-        fly(&r, rate, false, &coarse);
+        fly(&r, rate, false, &rested, &coarse);
         assert_int_equal(coarse.rays, PIXELS / rate);
-        fly(&r, rate, true, &finer);
+        fly(&r, rate, true, &rested, &finer);
         print_message("1 ray for %u: %.4f from rest (light %.4f), with finer blocks %.4f (%.4f) in %.2f of the rays\n",
                       rate, coarse.off, coarse.light_off, finer.off, finer.light_off,
                       (double)finer.rays * rate / PIXELS);
@@ -243,10 +261,10 @@ static void blocks_of_moving_views_have_more_rays_where_rays_differ(void **state
         /* Blocks of 64 are as large as the clouds of this picture. */
         const double share = rate < 64 ? 0.9 : 0.98;
         assert_true(finer.off < share * coarse.off && finer.light_off < share * coarse.light_off);
-        fly(&r, rate, true, &again);
+        fly(&r, rate, true, &rested, &again);
         assert_memory_equal(&again, &finer, sizeof finer);
     }
-    fly(&r, 2, true, &finer);
+    fly(&r, 2, true, &rested, &finer);
     assert_int_equal(finer.rays, PIXELS / 2);
     assert_true(finer.off < 0.1);
     const velum_layer slab = fixture_slab(16.0f);
