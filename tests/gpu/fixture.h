@@ -70,7 +70,7 @@ uint32_t fixture_skies_drawn(velum_eye *eye);
 bool fixture_weather_is_uneven(velum_eye *eye);
 /* From here on its device has none, as far as eyes know. */
 void fixture_forget_timestamps(velum_engine *engine);
-/* From here on its device's texel buffers hold no more. */
-void fixture_limit_texels(velum_engine *engine, uint32_t most);
+/* From here on its device's texel buffers hold no more. What they held. */
+uint32_t fixture_limit_texels(velum_engine *engine, uint32_t most);
 
 #endif

@@ -38,10 +38,12 @@ bool fixture_weather_is_uneven(velum_eye *handle) {
     return y->tiles.uneven;
 }
 
-void fixture_limit_texels(velum_engine *handle, uint32_t most) {
+uint32_t fixture_limit_texels(velum_engine *handle, uint32_t most) {
     engine *e = handle_get(handle, HANDLE_ENGINE);
     assert_non_null(e);
+    const uint32_t held = e->g.properties.limits.maxTexelBufferElements;
     e->g.properties.limits.maxTexelBufferElements = most;
+    return held;
 }
 
 void fixture_forget_timestamps(velum_engine *handle) {

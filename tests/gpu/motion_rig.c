@@ -7,10 +7,19 @@
 #define LON_DEG 8.5
 const float motion_steady[2] = {0.0f, 0.0f};
 
+/* World and engine of all rigs: an engine of its own would make its pipelines anew for each. */
+static fixture shared;
+
 void motion_rig_init_sized(motion_rig *r, const velum_layer *layer, uint32_t width, uint32_t height) {
     memset(r, 0, sizeof *r);
-    fixture_init(&r->f, false);
-    fixture_commit(&r->f, layer, 1);
+    if (!shared.engine) {
+        fixture_init(&shared, false);
+    } else {
+        const velum_eye_desc eye = {.struct_size = sizeof eye};
+        assert_int_equal(shared.engine_api->create_eye(shared.engine, &eye, &shared.eye), VELUM_OK);
+    }
+    fixture_commit(&shared, layer, 1);
+    r->f = shared;
     r->view = fixture_view(&r->f, r->f.eye, width, height);
     r->width = width;
     r->height = height;
@@ -24,7 +33,20 @@ void motion_rig_init(motion_rig *r, const velum_layer *layer) {
 
 void motion_rig_finish(motion_rig *r) {
     assert_int_equal(r->f.engine_api->destroy_view(r->view), VELUM_OK);
-    fixture_finish(&r->f);
+    assert_int_equal(r->f.engine_api->destroy_eye(r->f.eye), VELUM_OK);
+    shared.eye = NULL;
+    assert_int_equal(shared.validation, 0);
+}
+
+int motion_rigs_end(void **state) {
+    (void)state;
+    if (!shared.engine) {
+        return 0;
+    }
+    const bool ok = shared.engine_api->destroy(shared.engine) == VELUM_OK &&
+                    shared.world_api->destroy(shared.world) == VELUM_OK && shared.validation == 0;
+    memset(&shared, 0, sizeof shared);
+    return ok ? 0 : -1;
 }
 
 void motion_draw(motion_rig *r, double height_m, double climb_rad, const float jitter[2], uint32_t flags) {

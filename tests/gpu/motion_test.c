@@ -421,12 +421,13 @@ static void rays_are_as_many_as_texels_hold(void **state) {
     motion_stand(&r, under_m, AT_REST);
     assert_int_equal(motion_rays(&r), PIXELS);
     memcpy(all, r.light, sizeof all);
-    fixture_limit_texels(r.f.engine, PIXELS / 2 * VELUM_LIT_ROOM);
+    const uint32_t most = fixture_limit_texels(r.f.engine, PIXELS / 2 * VELUM_LIT_ROOM);
     motion_stand(&r, under_m, AT_REST);
+    fixture_limit_texels(r.f.engine, most);
     const double share = (double)motion_rays(&r) / PIXELS, light = motion_light_of(all, &r);
     print_message("with texels for half of the rays: %.3f of them, %.4f of the light\n", share, 1.0 / light);
     assert_true(share >= 0.25 && share < 0.5);
-    assert_true(fabs(light - 1.0) <= 0.01);
+    assert_true(fabs(light - 1.0) <= 0.02);
     motion_rig_finish(&r);
 }
 
@@ -442,5 +443,5 @@ int main(void) {
                                        cmocka_unit_test(near_cloud_passes_without_grain),
                                        cmocka_unit_test(edges_that_pass_stay_sharp),
                                        cmocka_unit_test(surfaces_behind_clouds_cost_no_history)};
-    return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("motion", tests, NULL, motion_rigs_end);
 }
