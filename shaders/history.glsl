@@ -81,10 +81,10 @@ void history_store(ivec2 pixel, cloud_pixel cloud, bool ended, bool moves, uint 
     imageStore(history_data_out, pixel, vec4(product.x, samples, 0.0, 0.0));
 }
 
-/* A ray has changed its pixel so much, of what is seen there (`light`, cd/m2) or of what shines through: its tile is the
- * more restless. */
+/* Where calm tiles take turns: a ray has changed its pixel so much, of what is seen there (`light`, cd/m2) or of what
+ * shines through: its tile is the more restless. */
 void history_unrest(ivec2 block, vec4 change, vec3 light) {
-    if (calm_turns() != 0u && change != vec4(0.0)) {
+    if (change != vec4(0.0)) {
         float part = dot(abs(change.rgb), VELUM_LUMINANCE_OF) / max(dot(light, VELUM_LUMINANCE_OF), 1e-6);
         part = min(max(part, abs(change.a)), 1.0);
         atomicAdd(rays[ray_tile_of(block)].x, uint(part * float(VELUM_RESTLESS_UNIT)));

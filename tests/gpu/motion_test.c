@@ -427,7 +427,7 @@ static void rays_are_as_many_as_texels_hold(void **state) {
     const double share = (double)motion_rays(&r) / PIXELS, light = motion_light_of(all, &r);
     print_message("with texels for half of the rays: %.3f of them, %.4f of the light\n", share, 1.0 / light);
     assert_true(share >= 0.25 && share < 0.5);
-    assert_true(fabs(light - 1.0) <= 0.02);
+    assert_true(fabs(light - 1.0) <= 0.01);
     motion_rig_finish(&r);
 }
 
