@@ -41,8 +41,9 @@ const float at_eye_m = 12.0, wider = 0.5;
 const float dim = 0.3;
 #endif
 /* Opacity with which a place stands for its layer or its cloud alone, once the ray has left that: one place for the rim of
- * a cloud and what lies far behind it would show the light of either, by chance. Drizzle and cloud that lie in each other
- * share places, or all would be on their first few metres. */
+ * a cloud and what lies far behind it would show the light of either, by chance. Of less, what lies behind takes the place:
+ * a rim in the sun before a niche would be seen in one ray of a hundred, as a spark. Drizzle and cloud that lie in each
+ * other share places, or all would be on their first few metres. */
 const float alone_least = 0.01;
 /* Clouds are two where so much of the way to the second lies between them, and so many metres: a tongue in the sun and the
  * wall in its shade have two lights, near as they are. Not of fibres: they have many gaps, and one light; nor of uniform
@@ -421,7 +422,8 @@ void main() {
         bool alone = place.z > alone_least;
         bool veil = slot == VELUM_SLOT_HIGH;
         bool even = uniform_layer || veil;
-        bool apart = alone && !even && !is_fringe(hit) && start_m > (1.0 + apart_share) * left_m + apart_least_m;
+        bool beyond = !even && !is_fringe(hit) && start_m > (1.0 + apart_share) * left_m + apart_least_m;
+        bool apart = alone && beyond;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
         bool fits = places < of.places && (deeper || other);
@@ -437,8 +439,9 @@ void main() {
         left_m = alpha > 0.0 && !uniform_layer ? start_m + dt : left_m;
         place.z = (opens ? 0.0 : place.z) + alpha;
         float share = alpha / max(place.z, 1.0e-20);
-        bool takes = alpha > 0.0 && (opens || pick < share);
-        pick = alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        bool replaces = beyond && !alone;
+        bool takes = alpha > 0.0 && (opens || replaces || pick < share);
+        pick = alpha <= 0.0 || replaces ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
         /* Light fades along a ray: what one part is shown too bright by, the next is too dark by. */
         float new_pick = (places & 1u) != 0u ? first_pick : 1.0 - first_pick;
         pick = opens ? new_pick : pick;
