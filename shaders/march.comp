@@ -339,8 +339,9 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         float deep_m = max(hit.span_m.y - hit.span_m.x, 1.0);
         float layer_m = max(layer_share * deep_m / max(abs(rise), 1.0e-3), min(dt_min, thin_share * deep_m));
-        /* Over a base rims are thin: steps from there on grow by and by. */
-        float foot_m = abs(h0 - hit.span_m.x) + foot_share * (hit.span_m.y - hit.span_m.x);
+        /* Over a base rims are thin: a step ends there, and those from there on grow by and by. */
+        float over_base_m = h0 - hit.span_m.x;
+        float foot_m = over_base_m < 0.0 ? -over_base_m : over_base_m + foot_share * (hit.span_m.y - hit.span_m.x);
         float in_m = rise > 0.0 && h1 > hit.span_m.x && !hit.smooth_part ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
         layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
