@@ -72,17 +72,27 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     bool fringe = is_fringe(hit);
     bool within = looking && z > 0.0 && z < 1.0 && f.coverage > 0.0 && !fringe;
     velum_profile profile = hit.profile;
-    float e = velum_excess(profile, f.coverage, column_rank(slot, f, hit.r, hit.normal, hit.at_h_m));
+    /* Cloud and its fringe have their noise from the same look-ups: software devices run all sides of branches. */
+    vec4 from = vec4(hit.r, hit.at_h_m);
+    bool fringed = false, lumpy = false;
+#ifdef VELUM_FRINGED
+    fringed = fringe && f.coverage > 0.0 && hit.at_h_m > hit.span_m.x && hit.at_h_m < hit.span_m.y;
+    from = fringe ? noise_from(hit.part, f, hit.fringe, hit.r, hit.normal, hit.at_h_m) : from;
+    lumpy = fringed && fringe_has_lumps(hit.part, hit.fringe);
+#endif
+    float e = velum_excess(profile, f.coverage, column_rank(slot, f, from.xyz, hit.normal, from.w));
     z = clamp(z, 0.0, 1.0);
     bool covered = within && e > velum_threshold(profile, z);
-    float lump = base ? 1.0 : 0.0;
-    float fine = base ? 1.0 : 0.5;
-    if (covered && !base) {
-        lump = lump_noise(slot, f, hit.r);
+    lumpy = lumpy || (covered && !base);
+    float lumps = 0.5;
+    float fine = base && !fringe ? 1.0 : 0.5;
+    if (lumpy) {
+        lumps = FRINGED(part_lumps(hit.part, f, from.xyz), slot_lumps(slot, f, from.xyz));
     }
-    if (covered && !base && shows_fine(slot, distance_m)) {
-        fine = fine_noise(slot, f, hit.r);
+    if (lumpy && shows_fine(slot, distance_m)) {
+        fine = fine_noise(slot, f, from.xyz);
     }
+    float lump = base ? 1.0 : fringe ? 0.0 : 2.0 * lumps - 1.0;
     hit.excess = e;
     hit.lump = lump;
     hit.margin = velum_margin(profile, e, z, lump, fine);
@@ -100,14 +110,10 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     hit.smooth_part = false;
 #ifdef VELUM_FRINGED
     if (fringe && f.coverage > 0.0) {
-        velum_fringe g = hit.fringe;
-        float h = hit.at_h_m;
-        hit.sampled = h > hit.span_m.x && h < hit.span_m.y;
-        hit.smooth_part = hit.part >= VELUM_PART_FALL || g.scud <= 0.0;
-        if (hit.sampled) {
-            hit.extinction_1_m = part_extinction(hit.part, f, profile, g, hit.r, hit.normal, h,
-                                                 shows_fine(slot, distance_m));
-        }
+        hit.sampled = fringed;
+        hit.smooth_part = hit.part >= VELUM_PART_FALL || hit.fringe.scud <= 0.0;
+        float own = fringe_extinction(hit.part, f, profile, hit.fringe, e, hit.at_h_m, lumps, fine);
+        hit.extinction_1_m = fringed ? own : 0.0;
         hit.margin = 0.0;
         hit.across = hit.extinction_1_m * part_across_m(hit.part);
     }

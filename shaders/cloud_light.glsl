@@ -499,6 +499,13 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, inout float place
     float mu_sun = dot(hit.normal, eye.sun.xyz);
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
+#ifdef VELUM_FRINGED
+    /* What falls has light from the cloud over it, not from where it has left that. */
+    if (hit.part >= VELUM_PART_FALL) {
+        float rank = column_rank(hit.slot, hit.fields, hit.r, hit.normal, hit.at_h_m);
+        hit.excess = velum_excess(hit.profile, hit.fields.coverage, rank);
+    }
+#endif
     sun_way way = sun_way_of(hit, mu_sun, steps);
     sun_left left = sun_left_at(hit, mu_sun);
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * left.others;

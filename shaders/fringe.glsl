@@ -64,29 +64,33 @@ vec2 part_span(int part, velum_slot_fields f, velum_fringe g) {
     return vec2(s.low, s.high);
 }
 
-float scud_lumps(int slot, velum_slot_fields f, vec3 r) {
-    return drifted_detail(slot, f, r, eye.slots[slot].lump_0 * VELUM_SCUD_LUMPS,
-                          eye.slots[slot].lump_1 * VELUM_SCUD_LUMPS, 1.0);
-}
-
-float hem_extinction(int slot, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
-                     float h, bool fine) {
-    float e = velum_excess(profile, f.coverage, column_rank(slot, f, r, normal, h));
-    float extinction = velum_band_1_m(profile, f, g, e, h);
-    if (g.scud > 0.0) {
-        float noise = velum_scud_noise(scud_lumps(slot, f, r), fine ? fine_noise(slot, f, r) : 0.5);
-        extinction += velum_scud_1_m(profile, f, g, e, h, noise);
-    }
-    return extinction;
-}
-
-float fall_extinction(int slot, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
-                      float h, bool fine) {
+/* Where a part has its noise, and how high over the ellipsoid that is looked for: what falls, where it left the cloud. */
+vec4 noise_from(int part, velum_slot_fields f, velum_fringe g, vec3 r, vec3 normal, float h) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 foot = r - normal * h + wind * velum_fall_lag_s(g, f.base_m - h);
-    float e = velum_excess(profile, f.coverage, column_rank(slot, f, foot, normal, 0.0));
-    float streak = velum_fall_streak(lump_noise(slot, f, foot), fine ? fine_noise(slot, f, foot) : 0.5);
-    return velum_fall_1_m(profile, f, g, e, h, streak);
+    return part < VELUM_PART_FALL ? vec4(r, h) : vec4(foot, 0.0);
+}
+
+/* Its lumps, 0..1: scud has its own. */
+float part_lumps(int part, velum_slot_fields f, vec3 from) {
+    int slot = part & (VELUM_SLOT_COUNT - 1);
+    float size = part >= VELUM_PART_HEM && part < VELUM_PART_FALL ? VELUM_SCUD_LUMPS : 1.0;
+    return drifted_detail(slot, f, from, eye.slots[slot].lump_0 * size, eye.slots[slot].lump_1 * size, 1.0);
+}
+
+/* A band alone has no lumps. */
+bool fringe_has_lumps(int part, velum_fringe g) {
+    return part < VELUM_PART_FALL ? g.scud > 0.0 : g.fall > 0.0;
+}
+
+/* Extinction, 1/m, at a height, of a column of such excess, from its noise. */
+float fringe_extinction(int part, velum_slot_fields f, velum_profile profile, velum_fringe g, float e, float h,
+                        float lumps, float fine) {
+    if (part >= VELUM_PART_FALL) {
+        return g.fall > 0.0 ? velum_fall_1_m(profile, f, g, e, h, velum_fall_streak(2.0 * lumps - 1.0, fine)) : 0.0;
+    }
+    float scud = g.scud > 0.0 ? velum_scud_1_m(profile, f, g, e, h, velum_scud_noise(lumps, fine)) : 0.0;
+    return velum_band_1_m(profile, f, g, e, h) + scud;
 }
 
 /* How far about itself a shaft, or a hem, shines on itself: of the noise's period. Fitted to the reference: rain
@@ -100,16 +104,19 @@ float part_across_m(int part) {
 
 /* Extinction, 1/m, of a part at a place within its span. */
 float part_extinction(int part, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
-                      float h, bool fine) {
-    float extinction = 0.0;
-    int slot = part & 7;
-    if (part < VELUM_PART_FALL) {
-        extinction = hem_extinction(slot, f, profile, g, r, normal, h, fine);
+                      float h, bool shows_fine) {
+    int slot = part & (VELUM_SLOT_COUNT - 1);
+    vec4 from = noise_from(part, f, g, r, normal, h);
+    float e = velum_excess(profile, f.coverage, column_rank(slot, f, from.xyz, normal, from.w));
+    float lumps = 0.5;
+    float fine = 0.5;
+    if (fringe_has_lumps(part, g)) {
+        lumps = part_lumps(part, f, from.xyz);
     }
-    if (part >= VELUM_PART_FALL && g.fall > 0.0) {
-        extinction = fall_extinction(slot, f, profile, g, r, normal, h, fine);
+    if (fringe_has_lumps(part, g) && shows_fine) {
+        fine = fine_noise(slot, f, from.xyz);
     }
-    return extinction;
+    return fringe_extinction(part, f, profile, g, e, h, lumps, fine);
 }
 
 #endif

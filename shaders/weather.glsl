@@ -280,8 +280,11 @@ float drifted_detail(int slot, velum_slot_fields f, vec3 r, vec4 phase_0, vec4 p
     return n;
 }
 
+float slot_lumps(int slot, velum_slot_fields f, vec3 r) {
+    return drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1, 1.0);
+}
 float lump_noise(int slot, velum_slot_fields f, vec3 r) {
-    return 2.0 * drifted_detail(slot, f, r, eye.slots[slot].lump_0, eye.slots[slot].lump_1, 1.0) - 1.0;
+    return 2.0 * slot_lumps(slot, f, r) - 1.0;
 }
 
 bool shows_fine(int slot, float distance_m) {
