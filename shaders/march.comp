@@ -45,6 +45,9 @@ const float dim = 0.3;
  * a rim in the sun before a niche would be seen in one ray of a hundred, as a spark. Drizzle and cloud that lie in each
  * other share places, or all would be on their first few metres. */
 const float alone_least = 0.01;
+/* Of what falls, opacity that has a place of its own, while there are such: thin and wide as it is, some of it lies in the
+ * sun and some in its cloud's shade, which one place would show by chance, as grain. */
+const float fall_least = 0.05;
 /* Clouds are two where so much of the way to the second lies between them, and so many metres: a tongue in the sun and the
  * wall in its shade have two lights, near as they are. Not of fibres: they have many gaps, and one light; nor of uniform
  * layers. */
@@ -427,7 +430,8 @@ void main() {
         bool apart = alone && beyond;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
-        bool fits = places < of.places && (deeper || other);
+        bool falls = FRINGED(part >= VELUM_PART_FALL && place.z > fall_least && places + kept < of.places, false);
+        bool fits = places < of.places && (deeper || other || falls);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = pack_place(place);
