@@ -17,7 +17,7 @@ struct cloud_hit {
     int part; /* the slot, or VELUM_PART_* of it */
     velum_slot_fields fields;
     velum_profile profile;
-    float excess;
+    float excess; /* of its column; of what falls, of the one that it left */
     float margin; /* velum_margin */
     float lump;   /* its noise, -1..1 */
     float across; /* optical depth of a hem or of what falls, from side to side; of cloud 0 */
@@ -74,22 +74,22 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     velum_profile profile = hit.profile;
     /* Cloud and its fringe have their noise from the same look-ups: software devices run all sides of branches. */
     vec4 from = vec4(hit.r, hit.at_h_m);
-    bool fringed = false, lumpy = false;
+    bool in_fringe = false, has_lumps = false;
 #ifdef VELUM_FRINGED
-    fringed = fringe && f.coverage > 0.0 && hit.at_h_m > hit.span_m.x && hit.at_h_m < hit.span_m.y;
+    in_fringe = fringe && f.coverage > 0.0 && hit.at_h_m > hit.span_m.x && hit.at_h_m < hit.span_m.y;
     from = fringe ? noise_from(hit.part, f, hit.fringe, hit.r, hit.normal, hit.at_h_m) : from;
-    lumpy = fringed && fringe_has_lumps(hit.part, hit.fringe);
+    has_lumps = in_fringe && fringe_has_lumps(hit.part, hit.fringe);
 #endif
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, from.xyz, hit.normal, from.w));
     z = clamp(z, 0.0, 1.0);
     bool covered = within && e > velum_threshold(profile, z);
-    lumpy = lumpy || (covered && !base);
+    has_lumps = has_lumps || (covered && !base);
     float lumps = 0.5;
     float fine = base && !fringe ? 1.0 : 0.5;
-    if (lumpy) {
+    if (has_lumps) {
         lumps = FRINGED(part_lumps(hit.part, f, from.xyz), slot_lumps(slot, f, from.xyz));
     }
-    if (lumpy && shows_fine(slot, distance_m)) {
+    if (has_lumps && shows_fine(slot, distance_m)) {
         fine = fine_noise(slot, f, from.xyz);
     }
     float lump = base ? 1.0 : fringe ? 0.0 : 2.0 * lumps - 1.0;
@@ -110,10 +110,10 @@ void cloud_look(inout cloud_hit hit, bool looking, float distance_m, bool base) 
     hit.smooth_part = false;
 #ifdef VELUM_FRINGED
     if (fringe && f.coverage > 0.0) {
-        hit.sampled = fringed;
+        hit.sampled = in_fringe;
         hit.smooth_part = hit.part >= VELUM_PART_FALL || hit.fringe.scud <= 0.0;
         float own = fringe_extinction(hit.part, f, profile, hit.fringe, e, hit.at_h_m, lumps, fine);
-        hit.extinction_1_m = fringed ? own : 0.0;
+        hit.extinction_1_m = in_fringe ? own : 0.0;
         hit.margin = 0.0;
         hit.across = hit.extinction_1_m * part_across_m(hit.part);
     }

@@ -500,7 +500,7 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, inout float place
     bool uniform_layer = hit.slot >= VELUM_SLOT_UNIFORM;
     float closed = velum_closes ? (uniform_layer ? 1.0 : closed_share(hit)) : 0.0;
 #ifdef VELUM_FRINGED
-    /* What falls has light from the cloud over it, not from where it has left that. */
+    /* What falls gets its light by the column that stands over it, not by the one that it left. */
     if (hit.part >= VELUM_PART_FALL) {
         float rank = column_rank(hit.slot, hit.fields, hit.r, hit.normal, hit.at_h_m);
         hit.excess = velum_excess(hit.profile, hit.fields.coverage, rank);

@@ -64,14 +64,15 @@ vec2 part_span(int part, velum_slot_fields f, velum_fringe g) {
     return vec2(s.low, s.high);
 }
 
-/* Where a part has its noise, and how high over the ellipsoid that is looked for: what falls, where it left the cloud. */
+/* Where a part has its noise, and its height over the ellipsoid. What falls has that of the column that it left, at whose
+ * foot it is looked for: such columns do not lean. */
 vec4 noise_from(int part, velum_slot_fields f, velum_fringe g, vec3 r, vec3 normal, float h) {
     vec3 wind = vec3(f.wind_x_m_s, f.wind_y_m_s, f.wind_z_m_s);
     vec3 foot = r - normal * h + wind * velum_fall_lag_s(g, f.base_m - h);
     return part < VELUM_PART_FALL ? vec4(r, h) : vec4(foot, 0.0);
 }
 
-/* Its lumps, 0..1: scud has its own. */
+/* Lumps of a part's noise, 0..1: those of scud are finer. */
 float part_lumps(int part, velum_slot_fields f, vec3 from) {
     int slot = part & (VELUM_SLOT_COUNT - 1);
     float size = part >= VELUM_PART_HEM && part < VELUM_PART_FALL ? VELUM_SCUD_LUMPS : 1.0;
@@ -83,7 +84,7 @@ bool fringe_has_lumps(int part, velum_fringe g) {
     return part < VELUM_PART_FALL ? g.scud > 0.0 : g.fall > 0.0;
 }
 
-/* Extinction, 1/m, at a height, of a column of such excess, from its noise. */
+/* Extinction, 1/m, of scud and band or of what falls at a height of a column of excess e, by its noise. */
 float fringe_extinction(int part, velum_slot_fields f, velum_profile profile, velum_fringe g, float e, float h,
                         float lumps, float fine) {
     if (part >= VELUM_PART_FALL) {
@@ -104,7 +105,7 @@ float part_across_m(int part) {
 
 /* Extinction, 1/m, of a part at a place within its span. */
 float part_extinction(int part, velum_slot_fields f, velum_profile profile, velum_fringe g, vec3 r, vec3 normal,
-                      float h, bool shows_fine) {
+                      float h, bool has_fine) {
     int slot = part & (VELUM_SLOT_COUNT - 1);
     vec4 from = noise_from(part, f, g, r, normal, h);
     float e = velum_excess(profile, f.coverage, column_rank(slot, f, from.xyz, normal, from.w));
@@ -113,7 +114,7 @@ float part_extinction(int part, velum_slot_fields f, velum_profile profile, velu
     if (fringe_has_lumps(part, g)) {
         lumps = part_lumps(part, f, from.xyz);
     }
-    if (fringe_has_lumps(part, g) && shows_fine) {
+    if (fringe_has_lumps(part, g) && has_fine) {
         fine = fine_noise(slot, f, from.xyz);
     }
     return fringe_extinction(part, f, profile, g, e, h, lumps, fine);

@@ -29,7 +29,7 @@ const float layer_share = 0.15;
 /* However steep the ray, no shorter than this share of it, or than the shortest. */
 const float thin_share = 0.3;
 /* Of a layer's thickness, along a ray that comes in through its base; but no shorter than this share of the shortest. */
-const float foot_share = 0.02, foot_least = 0.25;
+const float foot_share = 0.01, foot_least = 0.25;
 /* Along a ray over tops, m a metre over them. */
 const float top_way = 0.25;
 /* Clouds of rare cover are small: long steps go by its root, down to this share. */
@@ -41,13 +41,13 @@ const float at_eye_m = 12.0, wider = 0.5;
 const float dim = 0.3;
 #endif
 /* Opacity with which a place stands for its layer or its cloud alone, once the ray has left that: one place for the rim of
- * a cloud and what lies far behind it would show the light of either, by chance. Of less, what lies behind takes the place:
- * a rim in the sun before a niche would be seen in one ray of a hundred, as a spark. Drizzle and cloud that lie in each
- * other share places, or all would be on their first few metres. */
+ * a cloud and what lies far behind it would show the light of either, by chance. A cloud of less counts, but has no light
+ * of its own: the cloud behind takes over its place. One ray of a hundred would show a rim in the sun for all of a niche, as
+ * a spark. Drizzle and cloud that lie in each other share places, or all would be on their first few metres. */
 const float alone_least = 0.01;
-/* Of what falls, opacity that has a place of its own, while there are such: thin and wide as it is, some of it lies in the
- * sun and some in its cloud's shade, which one place would show by chance, as grain. */
-const float fall_least = 0.05;
+/* Opacity of what falls in the first place; twice as much in each that follows. Thin and wide as it is, some of it lies in
+ * the sun and some in its cloud's shade: one place would show either by chance, as grain. */
+const float fall_first = 0.05;
 /* Clouds are two where so much of the way to the second lies between them, and so many metres: a tongue in the sun and the
  * wall in its shade have two lights, near as they are. Not of fibres: they have many gaps, and one light; nor of uniform
  * layers. */
@@ -176,6 +176,7 @@ void main() {
     uint first_place = of.place;
     uint places = 0u;
     vec4 place = vec4(0.0); /* the newest: see lit.glsl */
+    float drawn_from = 0.0; /* its opacity, but for what has no light of its own */
     float first_pick = pick_offset(offset);
     float pick = first_pick;
     uint newly = 0u, lately = 0u; /* parts that count in this step, and did in the one before */
@@ -342,9 +343,10 @@ void main() {
         bool found = extinction > 2.0e-6 * f.extinction_1_m;
         float deep_m = max(hit.span_m.y - hit.span_m.x, 1.0);
         float layer_m = max(layer_share * deep_m / max(abs(rise), 1.0e-3), min(dt_min, thin_share * deep_m));
-        /* Over a base rims are thin: a step ends there, and those from there on grow by and by. */
+        /* Over a base rims are thin: a step that comes from far below ends there, and those from there on grow by and by, with
+         * no leap from one height to the next, or channels would step otherwise along the same ray. */
         float over_base_m = h0 - hit.span_m.x;
-        float foot_m = over_base_m < 0.0 ? -over_base_m : over_base_m + foot_share * (hit.span_m.y - hit.span_m.x);
+        float foot_m = max(-over_base_m, over_base_m + foot_share * (hit.span_m.y - hit.span_m.x));
         float in_m = rise > 0.0 && h1 > hit.span_m.x && !hit.smooth_part ? max(foot_m / rise, foot_least * dt_min) : 1.0e9;
         layer_m = min(layer_m, in_m);
         float rare = max(sqrt(min(max(f.coverage, 0.0) / rare_cover, 1.0)), rare_least);
@@ -430,23 +432,25 @@ void main() {
         bool apart = alone && beyond;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
-        bool falls = FRINGED(part >= VELUM_PART_FALL && place.z > fall_least && places + kept < of.places, false);
+        bool falls_alone = FRINGED(part >= VELUM_PART_FALL && ((lately | newly) & ~all_fall) == 0u, false);
+        bool falls = falls_alone && float(part) == place.w && places + kept < of.places &&
+                     place.z > 0.5 * fall_first * exp2(float(places));
         bool fits = places < of.places && (deeper || other || falls);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = pack_place(place);
         }
         bool is_last = veil && (others_top_m == none_m || (rise > 0.0 && h > others_top_m));
-        kept = opens && (!deeper || is_last) ? 0u : kept;
+        kept = opens && ((other && !deeper) || is_last) ? 0u : kept;
         uint parts = max(of.places - min(kept + places, of.places), 1u);
         until = opens ? through - through * part_share(places, parts, veil) : until;
         places += opens ? 1u : 0u;
         left_m = alpha > 0.0 && !uniform_layer ? start_m + dt : left_m;
         place.z = (opens ? 0.0 : place.z) + alpha;
-        float share = alpha / max(place.z, 1.0e-20);
-        bool replaces = beyond && !alone;
-        bool takes = alpha > 0.0 && (opens || replaces || pick < share);
-        pick = alpha <= 0.0 || replaces ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
+        drawn_from = (opens || (beyond && !alone) ? 0.0 : drawn_from) + alpha;
+        float share = alpha / max(drawn_from, 1.0e-20);
+        bool takes = alpha > 0.0 && (opens || pick < share);
+        pick = alpha <= 0.0 ? pick : takes ? pick / share : (pick - share) / (1.0 - share);
         /* Light fades along a ray: what one part is shown too bright by, the next is too dark by. */
         float new_pick = (places & 1u) != 0u ? first_pick : 1.0 - first_pick;
         pick = opens ? new_pick : pick;
