@@ -86,7 +86,7 @@ static double edge_offset(fixture *f, velum_view *view, double lat_deg, double l
 static void expect_edges(double lat_deg, double lon_deg, bool disc, double rotation_deg) {
     static const double azimuths_deg[] = {0.0, 20.0, 70.0, 90.0, 155.0, 180.0, 230.0, 270.0, 300.0};
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
     commit_region(&f, lat_deg, lon_deg, disc ? half_m : 0.0, rotation_deg);
     double worst_m = 0.0;
@@ -106,7 +106,7 @@ static void expect_edges(double lat_deg, double lon_deg, bool disc, double rotat
     }
     print_message("%g, %g: worst edge %.1f m off\n", lat_deg, lon_deg, worst_m);
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 static void of_a_disc(void **state) {
@@ -146,5 +146,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(of_a_disc),          cmocka_unit_test(of_a_square),
                                        cmocka_unit_test(of_a_turned_square), cmocka_unit_test(over_the_antimeridian),
                                        cmocka_unit_test(far_north),          cmocka_unit_test(round_a_pole)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

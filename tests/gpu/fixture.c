@@ -73,6 +73,35 @@ void fixture_finish(fixture *f) {
     assert_int_equal(f->validation, 0);
 }
 
+static fixture shared;
+
+void fixture_borrow(fixture *f) {
+    if (!shared.engine) {
+        fixture_init(&shared, false);
+        assert_int_equal(shared.engine_api->destroy_eye(shared.eye), VELUM_OK);
+    }
+    *f = shared;
+    const velum_eye_desc eye = {.struct_size = sizeof eye};
+    assert_int_equal(f->engine_api->create_eye(f->engine, &eye, &f->eye), VELUM_OK);
+}
+
+void fixture_give_back(fixture *f) {
+    assert_int_equal(f->world_api->set_timeline(f->world, NULL, 0, 0), VELUM_OK);
+    assert_int_equal(f->engine_api->destroy_eye(f->eye), VELUM_OK);
+    assert_int_equal(shared.validation, 0);
+    shared.state = f->state;
+}
+
+int fixture_shared_finish(void **state) {
+    (void)state;
+    if (shared.engine) {
+        assert_int_equal(shared.engine_api->destroy(shared.engine), VELUM_OK);
+        assert_int_equal(shared.world_api->destroy(shared.world), VELUM_OK);
+        shared = (fixture){0};
+    }
+    return 0;
+}
+
 velum_cell fixture_cell(const velum_layer *layers, uint32_t count) {
     return (velum_cell){.struct_size = sizeof(velum_cell),
                         .flags = VELUM_CELL_HAS_LAYERS,

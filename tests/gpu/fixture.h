@@ -36,6 +36,14 @@ void fixture_init(fixture *f, bool validate);
 velum_engine *fixture_engine(fixture *f, bool validate);
 void fixture_finish(fixture *f);
 
+/* The world and the engine that all tests of a group have in common, for one at a time, and an eye of its own: an
+ * engine of its own would make its pipelines anew. Without a timeline; the newest state is that of the test before. Of
+ * messages those of validation layers alone are counted. */
+void fixture_borrow(fixture *f);
+void fixture_give_back(fixture *f);
+/* Of what was borrowed, if anything was; a group's teardown. */
+int fixture_shared_finish(void **state);
+
 /* These layers all over the planet. */
 velum_cell fixture_cell(const velum_layer *layers, uint32_t count);
 /* Forgets the one before. */

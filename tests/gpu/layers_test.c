@@ -7,7 +7,7 @@
 #include "core/oracle.h"
 #include "fixture.h"
 
-enum { WIDTH = 32, HEIGHT = 16, PIXELS = WIDTH * HEIGHT, SETTLE = 16 };
+enum { WIDTH = 32, HEIGHT = 16, PIXELS = WIDTH * HEIGHT, SETTLE = 6 };
 enum { ACROSS = 5, CELLS = ACROSS * ACROSS, KINDS = 4, LAYERS = 4 };
 
 static const double lat_deg = 50.0, lon_deg = 8.5;
@@ -196,7 +196,7 @@ static void as_queried(void **state) {
     double through[PIXELS];
     for (int fringed = 0; fringed < 2; fringed++) {
         fixture f;
-        fixture_init(&f, false);
+        fixture_borrow(&f);
         commit_mosaic(&f, fringed);
         for (int k = 0; k < 4; k++) {
             look(&f, views[k].height_m, views[k].pitch_deg, views[k].end_m, &p);
@@ -206,7 +206,7 @@ static void as_queried(void **state) {
             }
             expect_alike(&p, through, fringed ? "clouds and fringes" : "clouds", views[k].name);
         }
-        fixture_finish(&f);
+        fixture_give_back(&f);
     }
 }
 
@@ -219,7 +219,7 @@ static void as_where_all_is_even(void **state) {
     for (int fringed = 0; fringed < 2; fringed++) {
         velum_layer here[LAYERS], beyond[LAYERS];
         fixture f;
-        fixture_init(&f, false);
+        fixture_borrow(&f);
         const uint32_t count = layers_of(1, fringed, here);
         const uint32_t count_beyond = layers_of(2, fringed, beyond);
         const velum_cell cells[2] = {fixture_cell(here, count), square(2, 0.3, 0.0, beyond, count_beyond)};
@@ -232,7 +232,7 @@ static void as_where_all_is_even(void **state) {
             through[i] = (double)even.transmittance[3 * i];
         }
         expect_alike(&uneven, through, fringed ? "clouds and fringes" : "clouds", "before others");
-        fixture_finish(&f);
+        fixture_give_back(&f);
     }
 }
 
@@ -240,13 +240,13 @@ static void as_where_all_is_even(void **state) {
  * a step. */
 static void no_ray_leaps_a_closed_sheet(void **state) {
     (void)state;
-    enum { PICTURES = 48 };
+    enum { PICTURES = 128 };
     static picture p;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     int leapt = 0;
     for (int k = 0; k < PICTURES; k++) {
-        velum_layer sheet = thin(VELUM_GENUS_ST, 1000.0f + 5.0f * (float)k, 1400.0f + 5.0f * (float)k);
+        velum_layer sheet = thin(VELUM_GENUS_ST, 1000.0f + 2.0f * (float)k, 1400.0f + 2.0f * (float)k);
         sheet.coverage = 1.0f;
         sheet.extinction_1_m = 0.05f;
         fixture_commit(&f, &sheet, 1);
@@ -257,11 +257,11 @@ static void no_ray_leaps_a_closed_sheet(void **state) {
     }
     print_message("%d of %d rays are not held\n", leapt, PICTURES * PIXELS);
     assert_int_equal(leapt, 0);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(as_queried), cmocka_unit_test(as_where_all_is_even),
                                        cmocka_unit_test(no_ray_leaps_a_closed_sheet)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

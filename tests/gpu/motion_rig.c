@@ -7,18 +7,10 @@
 #define LON_DEG 8.5
 const float motion_steady[2] = {0.0f, 0.0f};
 
-/* World and engine of all rigs: an engine of its own would make its pipelines anew for each. */
-static fixture shared;
-
 void motion_rig_init_sized(motion_rig *r, const velum_layer *layer, uint32_t width, uint32_t height) {
     memset(r, 0, sizeof *r);
-    if (!shared.engine) {
-        fixture_init(&shared, false);
-    }
-    fixture_commit(&shared, layer, 1);
-    r->f = shared;
-    const velum_eye_desc eye = {.struct_size = sizeof eye};
-    assert_int_equal(r->f.engine_api->create_eye(r->f.engine, &eye, &r->f.eye), VELUM_OK);
+    fixture_borrow(&r->f);
+    fixture_commit(&r->f, layer, 1);
     r->view = fixture_view(&r->f, r->f.eye, width, height);
     r->width = width;
     r->height = height;
@@ -32,17 +24,7 @@ void motion_rig_init(motion_rig *r, const velum_layer *layer) {
 
 void motion_rig_finish(motion_rig *r) {
     assert_int_equal(r->f.engine_api->destroy_view(r->view), VELUM_OK);
-    assert_int_equal(r->f.engine_api->destroy_eye(r->f.eye), VELUM_OK);
-    assert_int_equal(shared.validation, 0);
-}
-
-int motion_rigs_end(void **state) {
-    (void)state;
-    if (shared.engine) {
-        fixture_finish(&shared);
-        shared.engine = NULL;
-    }
-    return 0;
+    fixture_give_back(&r->f);
 }
 
 void motion_draw(motion_rig *r, double height_m, double climb_rad, const float jitter[2], uint32_t flags) {

@@ -23,13 +23,10 @@ typedef struct motion_rig {
     float tan_x;
 } motion_rig;
 
-/* A view of W x H pixels, or of a size of its own, FINE_PIXELS at most, of an eye of its own; world and engine are
- * those of all rigs, one at a time. */
+/* A view of W x H pixels, or of a size of its own, FINE_PIXELS at most; the fixture is borrowed. */
 void motion_rig_init(motion_rig *r, const velum_layer *layer);
 void motion_rig_init_sized(motion_rig *r, const velum_layer *layer, uint32_t width, uint32_t height);
 void motion_rig_finish(motion_rig *r);
-/* After the last rig: what all had in common goes. A group's teardown. */
-int motion_rigs_end(void **state);
 void motion_draw(motion_rig *r, double height_m, double climb_rad, const float jitter[2], uint32_t flags);
 /* From a cut on, until nothing more changes. */
 void motion_settle(motion_rig *r, double height_m, double climb_rad);

@@ -443,5 +443,5 @@ int main(void) {
                                        cmocka_unit_test(near_cloud_passes_without_grain),
                                        cmocka_unit_test(edges_that_pass_stay_sharp),
                                        cmocka_unit_test(surfaces_behind_clouds_cost_no_history)};
-    return cmocka_run_group_tests_name("motion", tests, NULL, motion_rigs_end);
+    return cmocka_run_group_tests_name("motion", tests, NULL, fixture_shared_finish);
 }

@@ -97,7 +97,7 @@ static double mean_distance_m(const fixture *f, const picture *p, const double u
 static void uniform_layers(void **state) {
     (void)state;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     const velum_layer slab = fixture_slab(0.7f);
     fixture_commit(&f, &slab, 1);
     static picture p;
@@ -123,7 +123,7 @@ static void uniform_layers(void **state) {
     /* History keeps distance in 16 bits: steps of 1.6 m at 2 km, in which its running mean can come to rest. */
     assert_true(worst_m <= 15.0);
     print_message("uniform layer: transmittance within %.5f, distance within %.2f m\n", worst, worst_m);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 /* Rays that end at the query's first contact, less a metre, meet nothing; those that go a little further lose what the
@@ -131,7 +131,7 @@ static void uniform_layers(void **state) {
 static void first_contact(void **state) {
     (void)state;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_layer layers[2] = {layer_of(VELUM_GENUS_CU, 0.5f, 1000.0f, 2000.0f, 0.3f, 10.0f), fixture_slab(2000.0f)};
     static picture whole, before, beyond;
     static float contact_m[PIXELS], end_m[PIXELS], depth[PIXELS];
@@ -203,7 +203,7 @@ static void first_contact(void **state) {
         assert_true(least_m >= -3.0);
         assert_true(!is_dense || worst_m <= 15.0);
     }
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 static int ascending(const void *a, const void *b) {
@@ -220,7 +220,7 @@ typedef struct figures {
 static figures compare(const velum_layer *layer, double height_m, double pitch_deg, float tan_half, double end_m,
                        const char *what) {
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     fixture_commit(&f, layer, 1);
     static picture p;
     look(&f, height_m, pitch_deg, tan_half, NULL, &p);
@@ -265,7 +265,7 @@ static figures compare(const velum_layer *layer, double height_m, double pitch_d
                   "95 %% %.4f, worst %.4f; distance median %.1f, 95 %% %.1f, worst %.1f m\n",
                   what, out.count, looked, contacts, disagree, depths / out.count, out.bias, out.median, out.p95,
                   out.worst, off_m[out.count / 2], off_m[out.count * 95 / 100], off_m[out.count - 1]);
-    fixture_finish(&f);
+    fixture_give_back(&f);
     return out;
 }
 
@@ -333,7 +333,7 @@ static void fringes(void **state) {
         const bool rain = kind == 0;
         const bool scud = kind == 1;
         fixture f;
-        fixture_init(&f, false);
+        fixture_borrow(&f);
         velum_layer layer = rain_layer(1500.0f, 4000.0f, rain ? 12.0f : 0.0f);
         layer.scud = scud ? 0.5f : 0.0f;
         layer.transition_m = rain || scud ? 0.0f : kind == 2 ? 400.0f : 900.0f;
@@ -341,7 +341,7 @@ static void fringes(void **state) {
         /* Steps of 35 m pass over slivers of scud. */
         compare_whole(&f, heights_m[kind], rain ? 0.12f : 0.02f, scud ? 0.015 : 0.001, scud ? 0.04 : 0.001,
                       names[kind]);
-        fixture_finish(&f);
+        fixture_give_back(&f);
     }
 }
 
@@ -361,7 +361,7 @@ static void coming_rain(void **state) {
     const velum_layer far_layer = layer_of(VELUM_GENUS_CS, 1.0f, 9000.0f, 9500.0f, 0.01f, 40.0f);
     for (uint32_t count = 1; count <= 2; count++) {
         fixture f;
-        fixture_init(&f, false);
+        fixture_borrow(&f);
         uint64_t states[2];
         for (int i = 0; i < 2; i++) {
             velum_cell cells[2] = {fixture_cell(i == 0 ? &dry : &wet, 1), fixture_cell(&far_layer, 1)};
@@ -376,7 +376,7 @@ static void coming_rain(void **state) {
         }
         stand_half_way(&f, states);
         compare_whole(&f, 1400.0, 0.05f, 0.001, 0.001, count == 1 ? "coming rain" : "coming rain, a region beyond");
-        fixture_finish(&f);
+        fixture_give_back(&f);
     }
 }
 
@@ -384,7 +384,7 @@ static void coming_rain(void **state) {
 static void winds_that_turn(void **state) {
     (void)state;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     uint64_t states[2];
     for (int i = 0; i < 2; i++) {
         velum_layer layer = layer_of(VELUM_GENUS_CB, 0.95f, 900.0f, 11500.0f, 0.02f, 30.0f);
@@ -395,12 +395,12 @@ static void winds_that_turn(void **state) {
     }
     stand_half_way(&f, states);
     compare_whole(&f, 9000.0, 0.8f, 0.002, 0.005, "winds that turn");
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(uniform_layers), cmocka_unit_test(first_contact),
                                        cmocka_unit_test(thin_cloud),     cmocka_unit_test(fringes),
                                        cmocka_unit_test(coming_rain),    cmocka_unit_test(winds_that_turn)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

@@ -113,7 +113,7 @@ static void seen_from_afar(void **state) {
     static const double transitions_m[] = {350.0, 0.0, 2000.0, 4000.0};
     static const double distances_m[] = {3000.0, 12000.0, 28500.0, 45000.0, 90000.0};
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
     const velum_layer heap = cumulus();
     for (int r = 0; r < 4; r++) {
@@ -131,7 +131,7 @@ static void seen_from_afar(void **state) {
         }
     }
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 /* A storm's towers sink from its middle to its edge as fast as walls: rays over the low ones meet the high ones behind.
@@ -144,7 +144,7 @@ static void storms_have_all_of_their_tops(void **state) {
     const double transition_m = 4000.0;
     const velum_layer towers = storm();
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_view *view = fixture_view(&f, f.eye, WIDTH, HEIGHT);
     commit_region(&f, &towers, half_m, transition_m);
     for (int i = 0; i < 6; i++) {
@@ -156,7 +156,7 @@ static void storms_have_all_of_their_tops(void **state) {
         assert_true(alike > 0.95);
     }
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 /* A low sheet that covers all is seen to the end of every ray at the cheapest preset, whatever other layers a forecast
@@ -183,7 +183,7 @@ static void sheets_hold_under_many_layers(void **state) {
     cells[1].half_east_m = cells[1].half_north_m = 4000.0;
     cells[1].transition_m = 8000.0;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     const velum_state_desc weather = {.struct_size = sizeof weather, .cells = cells, .cell_count = 2};
     uint64_t id = 0;
     assert_int_equal(f.world_api->commit(f.world, &weather, &id), VELUM_OK);
@@ -208,12 +208,12 @@ static void sheets_hold_under_many_layers(void **state) {
     assert_true(through < 0.02);
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
     assert_int_equal(f.engine_api->destroy_eye(eye.eye), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(seen_from_afar),
                                        cmocka_unit_test(sheets_hold_under_many_layers),
                                        cmocka_unit_test(storms_have_all_of_their_tops)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

@@ -211,5 +211,5 @@ int main(void) {
         cmocka_unit_test(views_that_stand_have_fewer_rays), cmocka_unit_test(views_of_any_size_stand),
         cmocka_unit_test(calm_tiles_have_rays_where_the_host_draws_anew), cmocka_unit_test(handing_on_takes_no_light),
         cmocka_unit_test(standing_under_drifting_cloud_is_sharp)};
-    return cmocka_run_group_tests_name("standing", tests, NULL, motion_rigs_end);
+    return cmocka_run_group_tests_name("standing", tests, NULL, fixture_shared_finish);
 }
