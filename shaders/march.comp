@@ -432,8 +432,8 @@ void main() {
         bool apart = alone && beyond;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
-        bool falls_alone = FRINGED(part >= VELUM_PART_FALL && ((lately | newly) & ~all_fall) == 0u, false);
-        bool falls = falls_alone && float(part) == place.w && places + kept < of.places &&
+        bool only_falls = FRINGED(part >= VELUM_PART_FALL && ((lately | newly) & ~all_fall) == 0u, false);
+        bool falls = only_falls && float(part) == place.w && places + kept < of.places &&
                      place.z > 0.5 * fall_first * exp2(float(places));
         bool fits = places < of.places && (deeper || other || falls);
         bool opens = alpha > 0.0 && (places == 0u || fits);
@@ -457,11 +457,12 @@ void main() {
         newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
         lately = ends ? newly : lately;
         newly = ends ? 0u : newly;
-        /* Steps through a uniform layer are one: its light is known over any. */
-        bool joins = alpha > 0.0 && uniform_layer && !opens && float(part) == place.w;
+        /* Steps through a uniform layer are one, whose light is known over any; those through what falls are lit as one. */
+        bool lasts = uniform_layer || FRINGED(part >= VELUM_PART_FALL, false);
+        bool joins = alpha > 0.0 && lasts && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         float joined_at = start_m + dt - joined_m * (1.0 - offset);
-        weighted += joins ? place.z * joined_at - (place.z - alpha) * place.x : alpha * lit_at;
+        weighted += joins && uniform_layer ? place.z * joined_at - (place.z - alpha) * place.x : alpha * lit_at;
         place.xyw = joins ? vec3(joined_at, joined_m, place.w) : takes ? vec3(lit_at, dt, float(part)) : place.xyw;
 #endif
         weight += alpha;

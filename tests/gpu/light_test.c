@@ -220,6 +220,55 @@ static void tongues_before_near_walls_have_no_sparks(void **state) {
     fixture_give_back(&f);
 }
 
+/* What a picture of one ray a pixel is off by from that of many, where that is even: over its light. */
+static double grain_where_even(fixture *f, const scene *s, int *pixels) {
+    float few[3 * PIXELS], many[3 * PIXELS], through[3 * PIXELS];
+    draw(f, s, 16, few, through);
+    draw(f, s, 256, many, through);
+    double squares = 0.0;
+    *pixels = 0;
+    for (int y = 1; y < HEIGHT - 1; y++) {
+        for (int x = 1; x < WIDTH - 1; x++) {
+            const int at = 3 * (y * WIDTH + x) + 1;
+            double most = 0.0;
+            for (int i = 0; i < 9; i++) {
+                const int beside = at + 3 * ((i / 3 - 1) * WIDTH + i % 3 - 1);
+                most = fmax(most, fabs((double)many[beside] / (double)many[at] - 1.0));
+            }
+            const double apart = (double)few[at] / (double)many[at] - 1.0;
+            squares += most < 0.1 ? apart * apart : 0.0;
+            *pixels += most < 0.1;
+        }
+    }
+    return sqrt(squares / fmax(*pixels, 1.0));
+}
+
+/* A shaft of rain lies in the sun here, in its cloud's shade there: each ray shows the mean of its way through it. */
+static void shafts_half_in_the_sun_have_no_grain(void **state) {
+    (void)state;
+    fixture f;
+    fixture_borrow(&f);
+    velum_layer storms = fixture_layer(VELUM_GENUS_CB, 0.25f, 1200.0f, 9000.0f);
+    storms.precipitation = VELUM_PRECIPITATION_RAIN;
+    storms.precipitation_mm_h = 10.0f;
+    fixture_commit(&f, &storms, 1);
+    const double suns_deg[] = {10.0, 40.0}, bounds[] = {0.023, 0.02};
+    for (int k = 0; k < 2; k++) {
+        const scene s = {.height_m = 500.0,
+                         .sun_deg = suns_deg[k],
+                         .albedo = 0.1f,
+                         .quality = VELUM_QUALITY_MEDIUM,
+                         .atmosphere = VELUM_ATMOSPHERE_EARTH};
+        int pixels;
+        const double found = grain_where_even(&f, &s, &pixels);
+        print_message("sun at %g degrees: one ray a pixel is off by %.4f of the light at %d even pixels\n", suns_deg[k],
+                      found, pixels);
+        assert_true(pixels > PIXELS / 4);
+        assert_true(found < bounds[k]);
+    }
+    fixture_give_back(&f);
+}
+
 /* Of a veil a low sun lights the skin alone, which is little of a ray's opacity: that little has a place of its own, or
  * the few rays that draw it would stand in the picture as sparks. */
 static void veils_under_a_low_sun_have_no_sparks(void **state) {
@@ -444,6 +493,7 @@ int main(void) {
                                        cmocka_unit_test(a_closed_sheet_lets_light_through_as_a_slab_does),
                                        cmocka_unit_test(rims_before_far_cloud_have_no_grain),
                                        cmocka_unit_test(tongues_before_near_walls_have_no_sparks),
+                                       cmocka_unit_test(shafts_half_in_the_sun_have_no_grain),
                                        cmocka_unit_test(veils_under_a_low_sun_have_no_sparks),
                                        cmocka_unit_test(walls_of_storms_show_their_lumps_in_the_shade),
                                        cmocka_unit_test(bases_of_cumulus_have_no_blotches),
