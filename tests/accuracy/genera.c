@@ -220,12 +220,12 @@ int genera_run(program *p) {
                 "%g%s\n\nEach sheet has the sun at morning (%g degrees high), noon (%g) and dusk (%g) from top to "
                 "bottom; from below, within and above the layer from left to right; of each pair left preset high, "
                 "right the reference, at the same exposure, of pixels %u times as wide, smoothed by a Gaussian "
-                "(standard deviation: one of its pixels), for each is mostly noise. Figures, of the preset at the "
-                "reference's size and of what is not smoothed: error of means over 8 x 8 pixels, bias of the whole "
+                "(standard deviation: one of its pixels, for colours %d), for each is noisy. Figures, of the preset at "
+                "the reference's size and of what is not smoothed: error of means over 8 x 8 pixels, bias of the whole "
                 "picture (noise of the reference's means over 8 x 8, which is subtracted).\n",
                 p->reference.width, p->reference.height, p->reference.seconds, p->reference.error, p->reference.paths,
                 p->reference.cached ? " --cached" : "", hours[0].elevation_deg, hours[1].elevation_deg,
-                hours[2].elevation_deg, enlarged(p));
+                hours[2].elevation_deg, enlarged(p), (int)PICTURE_COLOUR_DEVIATION);
     }
     for (int i = 0; ok && i < GENERA; i++) {
         ok = draw_genus(p, &genera[i], page, &devices);

@@ -71,30 +71,42 @@ uint32_t picture_invalid(const picture *p) {
     return invalid;
 }
 
+/* Mean about a place, by a Gaussian; what is not a number is none. */
+static void smooth(const picture *from, double x, double y, double deviation, float out[3]) {
+    const int reach = (int)ceil(3.0 * deviation);
+    double sum[3] = {0.0, 0.0, 0.0}, weights = 0.0;
+    for (int row = (int)lround(y) - reach; row <= (int)lround(y) + reach; row++) {
+        for (int column = (int)lround(x) - reach; column <= (int)lround(x) + reach; column++) {
+            if (row < 0 || column < 0 || row >= (int)from->height || column >= (int)from->width) {
+                continue;
+            }
+            const double away_2 = (x - column) * (x - column) + (y - row) * (y - row);
+            const double weight = exp(-0.5 * away_2 / (deviation * deviation));
+            const float *rgb = &from->rgb[3 * ((uint32_t)row * from->width + (uint32_t)column)];
+            for (int c = 0; c < 3; c++) {
+                sum[c] += isfinite(rgb[c]) ? weight * (double)rgb[c] : 0.0;
+            }
+            weights += weight;
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        out[c] = (float)(sum[c] / weights);
+    }
+}
+
 bool picture_enlarge(const picture *from, uint32_t times, picture *out) {
-    const int reach = 3;
     if (!picture_init(out, from->width * times, from->height * times)) {
         return false;
     }
     for (uint32_t i = 0; i < out->count; i++) {
         const double x = ((double)(i % out->width) + 0.5) / times - 0.5,
                      y = ((double)(i / out->width) + 0.5) / times - 0.5;
-        double sum[3] = {0.0, 0.0, 0.0}, weights = 0.0;
-        for (int row = (int)lround(y) - reach; row <= (int)lround(y) + reach; row++) {
-            for (int column = (int)lround(x) - reach; column <= (int)lround(x) + reach; column++) {
-                if (row < 0 || column < 0 || row >= (int)from->height || column >= (int)from->width) {
-                    continue;
-                }
-                const double weight = exp(-0.5 * ((x - column) * (x - column) + (y - row) * (y - row)));
-                const float *rgb = &from->rgb[3 * ((uint32_t)row * from->width + (uint32_t)column)];
-                for (int c = 0; c < 3; c++) {
-                    sum[c] += isfinite(rgb[c]) ? weight * (double)rgb[c] : 0.0;
-                }
-                weights += weight;
-            }
-        }
+        float light[3], colour[3];
+        smooth(from, x, y, 1.0, light);
+        smooth(from, x, y, PICTURE_COLOUR_DEVIATION, colour);
+        const double of = metric_luminance(colour);
         for (uint32_t c = 0; c < 3; c++) {
-            out->rgb[3 * i + c] = (float)(sum[c] / weights);
+            out->rgb[3 * i + c] = of > 0.0 ? (float)((double)colour[c] * metric_luminance(light) / of) : 0.0f;
         }
     }
     picture_update_luminance(out);

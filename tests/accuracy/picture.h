@@ -23,8 +23,9 @@ void picture_merge(picture *into, double paths, const picture *other, double mor
 /* Pixels (of rgb, transmittance, distance) that are NaN, infinite or negative, or whose transmittance exceeds 1. */
 uint32_t picture_invalid(const picture *p);
 
-/* So many times as wide, smoothed by a Gaussian whose standard deviation is one of its pixels: to be looked at, where
- * pixels are noise. False, having said so: out of memory. */
+/* So many times as wide, smoothed by a Gaussian whose standard deviation is one of its pixels, for colours two: to be
+ * looked at, where pixels are noise. False, having said so: out of memory. */
+enum { PICTURE_COLOUR_DEVIATION = 2 };
 bool picture_enlarge(const picture *from, uint32_t times, picture *out);
 
 /* 1 over about the luminance of what is brightest, 98th percentile. */

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "metric.h"
 #include "picture.h"
 
 /* As if the first three paths and the next five had been of one picture. */
@@ -69,6 +70,20 @@ static void what_is_enlarged_is_smoothed_evenly(void **state) {
     }
     assert_float_equal(to.rgb[3 * middle], 1.0 / (2.0 * 3.14159265), 2e-3); /* the peak of a Gaussian in the plane */
     assert_float_equal(to.rgb[3 * (middle + 3)], exp(-0.5) / (2.0 * 3.14159265), 2e-3);
+    picture_finish(&to);
+    /* Stripes two pixels wide, as bright as each other: their colours are even, where light of its own would not be. */
+    for (uint32_t i = 0; i < from.count; i++) {
+        const uint32_t c = i % 15 / 2 % 2;
+        const float unit[3] = {c == 0 ? 1.0f : 0.0f, c == 1 ? 1.0f : 0.0f, 0.0f};
+        for (uint32_t k = 0; k < 3; k++) {
+            from.rgb[3 * i + k] = unit[k] / (float)metric_luminance(unit);
+        }
+    }
+    assert_true(picture_enlarge(&from, 3, &to));
+    for (uint32_t i = middle - 3; i < middle + 3; i++) {
+        assert_float_equal(to.luminance[i], 1.0, 1e-5);
+        assert_float_equal(to.rgb[3 * i] / to.rgb[3 * (middle - 6)], 1.0, 0.05);
+    }
     picture_finish(&to);
     picture_finish(&from);
 }
