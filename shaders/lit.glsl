@@ -23,8 +23,9 @@ layout(set = 1, binding = VELUM_BIND_LIT_LIST, std430) buffer lit_list_buffer {
 
 const float most_half = 60000.0; /* to spare what a device may round up */
 
-/* Distance m and length m of the step, share of the picture, slot (or VELUM_PART_*; below 32). The least bits of the
- * distance, 2e-6 of it, are the part's; the others are halves. */
+/* Distance m and length m of the step (of a uniform layer, and of what falls: of all steps that are lit as one), share of
+ * the picture, slot (or VELUM_PART_*; below 32). The least bits of the distance, 2e-6 of it, are the part's; the others are
+ * halves. */
 const uint part_bits = 31u;
 const float length_unit_m = 16.0;
 uvec2 pack_place(vec4 place) {

@@ -45,9 +45,6 @@ const float dim = 0.3;
  * of its own: the cloud behind takes over its place. One ray of a hundred would show a rim in the sun for all of a niche, as
  * a spark. Drizzle and cloud that lie in each other share places, or all would be on their first few metres. */
 const float alone_least = 0.01;
-/* Opacity of what falls in the first place; twice as much in each that follows. Thin and wide as it is, some of it lies in
- * the sun and some in its cloud's shade: one place would show either by chance, as grain. */
-const float fall_first = 0.05;
 /* Clouds are two where so much of the way to the second lies between them, and so many metres: a tongue in the sun and the
  * wall in its shade have two lights, near as they are. Not of fibres: they have many gaps, and one light; nor of uniform
  * layers. */
@@ -432,10 +429,7 @@ void main() {
         bool apart = alone && beyond;
         bool left_behind = alone && ((lately | newly) & (1u << uint(place.w))) == 0u;
         bool other = apart || (float(part) != place.w && (uniform_layer || left_behind));
-        bool only_falls = FRINGED(part >= VELUM_PART_FALL && ((lately | newly) & ~all_fall) == 0u, false);
-        bool falls = only_falls && float(part) == place.w && places + kept < of.places &&
-                     place.z > 0.5 * fall_first * exp2(float(places));
-        bool fits = places < of.places && (deeper || other || falls);
+        bool fits = places < of.places && (deeper || other);
         bool opens = alpha > 0.0 && (places == 0u || fits);
         if (opens && places > 0u) {
             lit[first_place + places - 1u] = pack_place(place);
@@ -457,9 +451,9 @@ void main() {
         newly |= alpha > 0.0 ? 1u << uint(part) : 0u;
         lately = ends ? newly : lately;
         newly = ends ? 0u : newly;
-        /* Steps through a uniform layer are one, whose light is known over any; those through what falls are lit as one. */
-        bool lasts = uniform_layer || FRINGED(part >= VELUM_PART_FALL, false);
-        bool joins = alpha > 0.0 && lasts && !opens && float(part) == place.w;
+        /* Steps through a uniform layer are one, whose light is known over any; those through a shaft are lit as one. */
+        bool on = FRINGED(part >= VELUM_PART_FALL && start_m < place.x + place.y * (1.0 - offset) + dt, false);
+        bool joins = alpha > 0.0 && (uniform_layer || on) && !opens && float(part) == place.w;
         float joined_m = start_m + dt - (place.x - offset * place.y);
         float joined_at = start_m + dt - joined_m * (1.0 - offset);
         weighted += joins && uniform_layer ? place.z * joined_at - (place.z - alpha) * place.x : alpha * lit_at;

@@ -81,12 +81,12 @@ void fixture_borrow(fixture *f) {
         assert_int_equal(shared.engine_api->destroy_eye(shared.eye), VELUM_OK);
     }
     *f = shared;
+    assert_int_equal(f->world_api->set_timeline(f->world, NULL, 0, 0), VELUM_OK);
     const velum_eye_desc eye = {.struct_size = sizeof eye};
     assert_int_equal(f->engine_api->create_eye(f->engine, &eye, &f->eye), VELUM_OK);
 }
 
 void fixture_give_back(fixture *f) {
-    assert_int_equal(f->world_api->set_timeline(f->world, NULL, 0, 0), VELUM_OK);
     assert_int_equal(f->engine_api->destroy_eye(f->eye), VELUM_OK);
     assert_int_equal(shared.validation, 0);
     shared.state = f->state;

@@ -59,9 +59,7 @@ static void render(rig *r, const velum_frame_info *frame, const velum_view_frame
                                    .width = W,
                                    .height = H};
     }
-    if (r->f.standalone_api->render(r->f.engine, frame, eyes, 2, 0, pixels, 2, 0) != VELUM_OK) {
-        fail_msg("%s", r->f.newest);
-    }
+    assert_int_equal(r->f.standalone_api->render(r->f.engine, frame, eyes, 2, 0, pixels, 2, 0), VELUM_OK);
 }
 
 /* `moves`: since the frame before; else the other's sky is exact already. */
