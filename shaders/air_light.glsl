@@ -35,8 +35,8 @@ float sun_over_horizon(float height_m, float mu) {
 const float haze_forward = haze_g * haze_g;
 const float haze_turned_g = (haze_g - haze_forward) / (1.0 - haze_forward);
 /* Along the eye's way it is less that counts so: the horizon is a bright line, and the ground and the zenith are dark
- * beside it. Fitted to the reference, to haze of 22 and 40 km over black and white ground. */
-const float haze_ahead = 0.25;
+ * beside it. Fitted to the reference, to haze of 22 to 50 km over black and white ground. */
+const float haze_ahead = 0.2;
 const float haze_seen_g = (haze_g - haze_ahead) / (1.0 - haze_ahead);
 
 /* Depth of haze over a height that takes light off its way. */
@@ -197,6 +197,11 @@ vec3 albedo_below(vec4 shade) {
                 velum_shade_albedo(shade.z, ground.b, mean));
 }
 
+/* What aerosol scatters. */
+float aerosol_1_m(float height_m) {
+    return VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
+}
+
 /* Depth of clear air over a height that turns light. */
 vec3 air_depth_over(float height_m) {
     float aerosol = (1.0 - VELUM_AEROSOL_G) * VELUM_AEROSOL_SCATTERING * VELUM_AEROSOL_SCALE_M;
@@ -226,16 +231,17 @@ vec3 albedo_under_air(vec3 albedo, float height_m) {
     return albedo / (1.0 - albedo * vec3(velum_sky_back(depth.r), velum_sky_back(depth.g), velum_sky_back(depth.b)));
 }
 
-/* All orders beyond the first, as if isotropic (Hillaire 2020, section 5.5): luminance per unit sun. */
+/* All orders beyond the first (Hillaire 2020, section 5.5): luminance per unit sun, as if it came from all round; w: how much
+ * more of it molecules turn along a ray, times P2 of the cosine of its zenith angle (glow.comp). */
 struct air_glow {
-    vec3 sky, ground; /* the latter over a white ground */
+    vec4 sky, ground; /* the latter over a white ground */
 };
 air_glow glow_at(float height_m, float mu_sun) {
     vec2 place = vec2(0.5 + 0.5 * mu_sun, clamp(height_m / VELUM_AIR_TOP_M, 0.0, 1.0));
     place = place * float(VELUM_GLOW_SIDE - 1) + 0.5;
     const vec2 size = vec2(VELUM_GLOW_SIDE, 2 * VELUM_GLOW_SIDE);
-    return air_glow(textureLod(glow_table, place / size, 0.0).rgb,
-                    textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0).rgb);
+    return air_glow(textureLod(glow_table, place / size, 0.0),
+                    textureLod(glow_table, (place + vec2(0.0, VELUM_GLOW_SIDE)) / size, 0.0));
 }
 
 /* Of light that clouds have turned, with all orders of it in air and haze: fitted to the reference, to haze under
@@ -294,8 +300,9 @@ const float fog_clouded = 0.95;
 /* Of haze, per unit of its scattering: the sun's light that it has turned before, of a sun whose light without it were
  * `clean`, and what the ground sends that gets `flux`, both on their way to an eye whose ray rises so. Light comes
  * to the eye against its ray: upward rays see what goes down. Where haze is thin, its light stands at the horizon: its mean, E2 of the depth,
- * is more than Eddington's; the constant is fitted to the reference. */
-vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float rise, vec3 albedo) {
+ * is more than Eddington's; the constant is fitted to the reference. `turned`: the former as it comes from all round, for
+ * what turns it evenly. */
+vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float rise, vec3 albedo, out vec3 turned) {
     float above = haze_depth_over(height_m);
     float below = max(haze_depth_over(eye.span.z) - above, 0.0);
     float mu = 1.0 / velum_slant(haze_scale_m, height_m, mu_sun);
@@ -303,6 +310,7 @@ vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float ris
     velum_diffuse ground = velum_diffuse_from_below(above, below, haze_turned_g);
     vec3 sent = albedo_under_air(albedo, 0.0) * flux / PI;
     float thin = max(1.0 - 0.5 * log(max(above + below, 1e-6)), 1.0);
+    turned = clean * (sun.mean * thin);
     return clean * max(sun.mean * thin + haze_seen_g * rise * sun.flux, 0.0) +
            sent * (ground.mean + haze_seen_g * rise * ground.flux);
 }
@@ -322,23 +330,25 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     vec3 clean = sun_through_clean_air(height_m, mu_sun);
     vec3 sun = clean * sun_through_haze(height_m, mu_sun);
     vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(height_m);
-    float aerosol = VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
-    vec3 of_sky = rayleigh + aerosol;
+    float aerosol = aerosol_1_m(height_m);
+    vec3 of_sky = rayleigh + (1.0 - haze_ahead) * aerosol;
     vec3 single = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
     vec3 source = sun * beam * single;
     const float least_1_m = 1e-10;
     if (haze > least_1_m) {
         vec3 flux = flux_on_ground(mu_sun, daylight, sky);
-        vec3 others = haze_diffuse(height_m, daylight * clean, flux, mu_sun, rise, albedo);
+        vec3 turned;
+        vec3 others = haze_diffuse(height_m, daylight * clean, flux, mu_sun, rise, albedo, turned);
         source += haze * sun * beam * velum_phase_hg(cos_sun, haze_g);
         source += (1.0 - haze_ahead) * haze * others;
+        source += of_sky * turned;
     }
     /* The clouds below stand about half way to the ground. */
     float below_m = 0.5 * shade.z * min(height_m, VELUM_SHADE_TOP_M);
-    vec3 of_ground = (of_sky - aerosol_ahead * rise * aerosol) * albedo_under_air(albedo, below_m);
+    vec3 sent = albedo_under_air(albedo, below_m);
+    vec3 of_ground = of_sky - aerosol_ahead * rise * aerosol;
     vec3 of_cloud = diffused * (of_sky + (1.0 - haze_forward) * haze);
-    /* All of it: fitted to the reference. */
-    of_sky += haze;
+    of_sky += (1.0 - haze_ahead) * haze;
     vec3 of_back = vec3(0.0);
     if (fog > 0.0) {
         float above = fog_over(height_m);
@@ -355,10 +365,12 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     source += of_cloud * sun * shade.y * 2.0 * max(mu_sun, 0.0) * VELUM_INV_4PI;
     if (with_glow) {
         air_glow glow = glow_at(height_m, mu_sun);
-        source += sky * (of_sky * glow.sky + of_ground * glow.ground);
+        vec3 tilted = rayleigh * (1.5 * rise * rise - 0.5);
+        source += sky * (of_sky + tilted * glow.sky.w) * glow.sky.rgb;
+        source += sky * sent * (of_ground + tilted * glow.ground.w) * glow.ground.rgb;
         if (fog > 0.0) {
             /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
-            source += sky * of_back * max(glow.ground - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
+            source += sky * of_back * max(glow.ground.rgb - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
         }
     }
     return source;
@@ -435,7 +447,7 @@ air_light air_march_under(vec3 o, vec3 d, float distance_m, int steps, bool with
         float fog = velum_fog ? fog_extinction_1_m(p.height_m) : 0.0;
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
-        vec3 dims = extinction - vec3(haze_ahead * haze);
+        vec3 dims = extinction - vec3(haze_ahead * (haze + aerosol_1_m(p.height_m)));
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
         float seen = veiled > 0.0 ? min(veiled / max(shade_at(p.height_m).w, 1e-4), 1.0) : 1.0;

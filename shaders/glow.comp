@@ -1,7 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 /* All orders of scattering in air beyond the first, as an isotropic luminance per unit sun (Hillaire 2020, eq. 5-10),
- * over a sphere: first rows without a ground's light, second with what a white one adds. Once. */
+ * over a sphere: first rows without a ground's light, second with what a white one adds. The first order goes by its phase
+ * functions: a low sun's lights the horizon more than the zenith. Molecules turn what stands there onto level rays, their
+ * phase function being 1 + P2 / 2 of the cosine over an even one: by the addition theorem of Legendre polynomials, on the
+ * mean of all azimuths, 1 + w P2 of the ray's, where w is half of the mean of P2 over the light (green's, for all). Once. */
 #include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
@@ -23,6 +26,7 @@ void main() {
     float top = VELUM_WGS84_A_M + VELUM_AIR_TOP_M;
     vec3 second = vec3(0.0);
     vec3 factor = vec3(0.0);
+    float moment = 0.0; /* of P2 */
     for (int k = 0; k < zeniths * azimuths; ++k) {
         /* Finest at the horizon, where air shines most. */
         float u = 1.0 - 2.0 * (float(k / azimuths) + 0.5) / float(zeniths);
@@ -31,6 +35,8 @@ void main() {
         float a = PI * (float(k % azimuths) + 0.5) / float(azimuths);
         float s = sqrt(max(1.0 - c * c, 0.0));
         vec3 d = vec3(s * cos(a), s * sin(a), c);
+        float cos_sun = dot(d, sun);
+        float p2 = 1.5 * c * c - 0.5;
         float b = r * c;
         float over = height_m * (2.0 * VELUM_WGS84_A_M + height_m);
         float to_ground = b * b - over;
@@ -40,25 +46,30 @@ void main() {
         float dt = distance_m / float(steps);
         for (int i = 0; i < steps; ++i) {
             float x = (float(i) + 0.5) * dt;
-            float p2 = over + x * (x + 2.0 * b);
-            float radius = sqrt(VELUM_WGS84_A_M * VELUM_WGS84_A_M + p2);
-            float h = max(p2 / (radius + VELUM_WGS84_A_M), 0.0);
-            float mu = (r * mu_sun + x * dot(d, sun)) / radius;
-            vec3 scattering = rayleigh_1_m * velum_rayleigh_density(h) +
-                              vec3(VELUM_AEROSOL_SCATTERING * velum_aerosol_density(h));
+            float up = over + x * (x + 2.0 * b);
+            float radius = sqrt(VELUM_WGS84_A_M * VELUM_WGS84_A_M + up);
+            float h = max(up / (radius + VELUM_WGS84_A_M), 0.0);
+            float mu = (r * mu_sun + x * cos_sun) / radius;
+            vec3 rayleigh = rayleigh_1_m * velum_rayleigh_density(h);
+            float aerosol = aerosol_1_m(h);
             vec3 extinction = air_extinction_1_m(h);
             vec3 step_t = exp(-extinction * dt);
-            vec3 share = t * scattering * (1.0 - step_t) / max(extinction, vec3(1e-12));
+            vec3 seen = weight * t * (1.0 - step_t) / max(extinction, vec3(1e-12));
             float lit = smoothstep(-0.005, 0.005, mu - velum_horizon_mu(h));
             vec3 beam = air_to_space(h, max(mu, velum_horizon_mu(h)));
-            second += weight * share * beam * (of_ground ? 0.0 : lit / (4.0 * PI));
-            factor += weight * share;
+            vec3 first = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
+            vec3 light = of_ground ? vec3(0.0) : seen * first * beam * lit;
+            second += light;
+            moment += light.g * p2;
+            factor += seen * (rayleigh + aerosol);
             t *= step_t;
         }
         if (hits && of_ground) {
-            float mu = (r * mu_sun + distance_m * dot(d, sun)) / VELUM_WGS84_A_M;
-            second += weight * t * air_to_space(0.0, max(mu, 0.0)) * sky_gain_at(0.0, mu) * max(mu, 0.0) / PI;
+            float mu = (r * mu_sun + distance_m * cos_sun) / VELUM_WGS84_A_M;
+            vec3 light = weight * t * air_to_space(0.0, max(mu, 0.0)) * sky_gain_at(0.0, mu) * (max(mu, 0.0) / PI);
+            second += light;
+            moment += light.g * p2;
         }
     }
-    imageStore(glow_out, texel, vec4(second / max(1.0 - factor, vec3(0.05)), 1.0));
+    imageStore(glow_out, texel, vec4(second / max(1.0 - factor, vec3(0.05)), 0.5 * moment / max(second.g, 1.0e-12)));
 }
