@@ -202,6 +202,11 @@ float aerosol_1_m(float height_m) {
     return VELUM_AEROSOL_SCATTERING * velum_aerosol_density(height_m);
 }
 
+/* Of what dust scatters, what counts as still on its way to the eye. */
+float goes_on_1_m(float height_m, float haze) {
+    return haze_ahead * (haze + aerosol_1_m(height_m));
+}
+
 /* Depth of clear air over a height that turns light. */
 vec3 air_depth_over(float height_m) {
     float aerosol = (1.0 - VELUM_AEROSOL_G) * VELUM_AEROSOL_SCATTERING * VELUM_AEROSOL_SCALE_M;
@@ -231,8 +236,8 @@ vec3 albedo_under_air(vec3 albedo, float height_m) {
     return albedo / (1.0 - albedo * vec3(velum_sky_back(depth.r), velum_sky_back(depth.g), velum_sky_back(depth.b)));
 }
 
-/* All orders beyond the first (Hillaire 2020, section 5.5): luminance per unit sun, as if it came from all round; w: how much
- * more of it molecules turn along a ray, times P2 of the cosine of its zenith angle (glow.comp). */
+/* All orders beyond the first (Hillaire 2020, section 5.5): mean luminance from all round per unit sun; w: how much more
+ * of it molecules turn along a ray, times P2 of the cosine of the ray's zenith angle (glow.comp). */
 struct air_glow {
     vec4 sky, ground; /* the latter over a white ground */
 };
@@ -297,22 +302,36 @@ const float fog_sky = 0.81;
  * reference, to fog under stratus with the sun 15 and 50 degrees high. */
 const float fog_clouded = 0.95;
 
-/* Of haze, per unit of its scattering: the sun's light that it has turned before, of a sun whose light without it were
- * `clean`, and what the ground sends that gets `flux`, both on their way to an eye whose ray rises so. Light comes
- * to the eye against its ray: upward rays see what goes down. Where haze is thin, its light stands at the horizon: its mean, E2 of the depth,
- * is more than Eddington's; the constant is fitted to the reference. `turned`: the former as it comes from all round, for
- * what turns it evenly. */
-vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float rise, vec3 albedo, out vec3 turned) {
-    float above = haze_depth_over(height_m);
-    float below = max(haze_depth_over(eye.span.z) - above, 0.0);
+/* The sun's light that haze has turned, of a sun of 1 over it, at a height: Eddington's, but where haze is thin, it stands at
+ * the horizon: its mean, E2 of the depth, is more. The constant is fitted to the reference. */
+velum_diffuse haze_of_sun(float height_m, float above, float below, float mu_sun) {
     float mu = 1.0 / velum_slant(haze_scale_m, height_m, mu_sun);
     velum_diffuse sun = velum_diffuse_in(above, below, haze_turned_g, mu, 0.0);
+    sun.mean *= max(1.0 - 0.5 * log(max(above + below, 1e-6)), 1.0);
+    return sun;
+}
+
+/* Of haze, per unit of its scattering: the sun's light that it has turned before, of a sun whose light without it were
+ * `clean`, and what the ground sends that gets `flux`, both on their way to an eye whose ray rises so. Light comes
+ * to the eye against its ray: upward rays see what goes down. */
+vec3 haze_diffuse(float height_m, vec3 clean, vec3 flux, float mu_sun, float rise, vec3 albedo) {
+    float above = haze_depth_over(height_m);
+    float below = max(haze_depth_over(eye.span.z) - above, 0.0);
+    velum_diffuse sun = haze_of_sun(height_m, above, below, mu_sun);
     velum_diffuse ground = velum_diffuse_from_below(above, below, haze_turned_g);
     vec3 sent = albedo_under_air(albedo, 0.0) * flux / PI;
-    float thin = max(1.0 - 0.5 * log(max(above + below, 1e-6)), 1.0);
-    turned = clean * (sun.mean * thin);
-    return clean * max(sun.mean * thin + haze_seen_g * rise * sun.flux, 0.0) +
+    return clean * max(sun.mean + haze_seen_g * rise * sun.flux, 0.0) +
            sent * (ground.mean + haze_seen_g * rise * ground.flux);
+}
+
+/* What comes of the former to the air about and over the haze, from all round; clouds between hide it. */
+vec3 haze_on_air(float height_m, float mu_sun, vec4 shade) {
+    float low_m = min(height_m, eye.span.z + haze_scale_m);
+    float above = haze_depth_over(height_m);
+    float below = max(haze_depth_over(eye.span.z) - above, 0.0);
+    vec4 there = shade_at(low_m);
+    vec3 clean = sun_through_clean_air(low_m, mu_sun) * ((there.x + there.y) * (1.0 - shade.z));
+    return clean * haze_of_sun(low_m, above, below, mu_sun).mean;
 }
 
 /* Light from below that aerosol turns on upward or downward, over what it would turn evenly: by the half of its phase
@@ -337,16 +356,17 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
     const float least_1_m = 1e-10;
     if (haze > least_1_m) {
         vec3 flux = flux_on_ground(mu_sun, daylight, sky);
-        vec3 turned;
-        vec3 others = haze_diffuse(height_m, daylight * clean, flux, mu_sun, rise, albedo, turned);
+        vec3 others = haze_diffuse(height_m, daylight * clean, flux, mu_sun, rise, albedo);
         source += haze * sun * beam * velum_phase_hg(cos_sun, haze_g);
         source += (1.0 - haze_ahead) * haze * others;
-        source += of_sky * turned;
+    }
+    if (eye.drift.w > least_1_m) {
+        source += of_sky * haze_on_air(height_m, mu_sun, shade);
     }
     /* The clouds below stand about half way to the ground. */
     float below_m = 0.5 * shade.z * min(height_m, VELUM_SHADE_TOP_M);
-    vec3 sent = albedo_under_air(albedo, below_m);
-    vec3 of_ground = of_sky - aerosol_ahead * rise * aerosol;
+    vec3 reflected = albedo_under_air(albedo, below_m);
+    vec3 of_ground = of_sky - (aerosol_ahead - haze_ahead) * rise * aerosol;
     vec3 of_cloud = diffused * (of_sky + (1.0 - haze_forward) * haze);
     of_sky += (1.0 - haze_ahead) * haze;
     vec3 of_back = vec3(0.0);
@@ -367,7 +387,7 @@ vec3 air_source(float height_m, float haze, float fog, float mu_sun, float cos_s
         air_glow glow = glow_at(height_m, mu_sun);
         vec3 tilted = rayleigh * (1.5 * rise * rise - 0.5);
         source += sky * (of_sky + tilted * glow.sky.w) * glow.sky.rgb;
-        source += sky * sent * (of_ground + tilted * glow.ground.w) * glow.ground.rgb;
+        source += sky * reflected * (of_ground + tilted * glow.ground.w) * glow.ground.rgb;
         if (fog > 0.0) {
             /* Of a white ground's glow half a world is the ground; the rest the sky sends. */
             source += sky * of_back * max(glow.ground.rgb - flux_on_ground(mu_sun, 1.0, vec3(1.0)) / (2.0 * PI), vec3(0.0));
@@ -447,7 +467,7 @@ air_light air_march_under(vec3 o, vec3 d, float distance_m, int steps, bool with
         float fog = velum_fog ? fog_extinction_1_m(p.height_m) : 0.0;
         float haze = haze_extinction_1_m(p.height_m);
         vec3 extinction = air_extinction_1_m(p.height_m) + vec3(fog + haze);
-        vec3 dims = extinction - vec3(haze_ahead * (haze + aerosol_1_m(p.height_m)));
+        vec3 dims = extinction - vec3(goes_on_1_m(p.height_m, haze));
         vec3 source = air_source(p.height_m, haze, fog, mu_sun, cos_sun, dot(normal, d), with_glow);
         vec3 step_t = exp(-dims * dt);
         float seen = veiled > 0.0 ? min(veiled / max(shade_at(p.height_m).w, 1e-4), 1.0) : 1.0;

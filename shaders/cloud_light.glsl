@@ -177,14 +177,15 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
- * light alike all round it shines alike, but for sky_share. Fitted to the reference over the scenes of tests/accuracy. */
+ * light alike all round it shines alike, but for sky_share (cumulus_sky). Fitted to the reference over the scenes of tests/accuracy. */
 const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.02; /* of the lit face, over that along the sun */
 const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
 const float deep_share = 0.895;
 const float below_share = 1.29; /* of the base among the ways out */
-/* Clouds of less cover than this stand alone: no light of others comes to their dark sides. */
-const float alone_from = 0.437, alone_lit = 3.53;
+/* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
+ * gaps (not of cumulus, which stand upright). */
+const float alone_from = 0.437, alone_lit = 3.53, alone_dark = 0.245;
 /* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
  * leaves by the flank too; layers higher up lie too flat for that. */
 const float lee_share = 0.143;
@@ -200,9 +201,9 @@ const float deck_face = 0.391, deck_tilt = 0.251;
 const float near_face = 0.252, near_share = 0.0357;
 /* The same of cumulus, whose flanks stand upright: a low sun meets what is turned to it straight, and they see the horizon,
  * the brightest of the sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside
- * and behind the eye, to the scenes of tests/accuracy and to the genus at its three hours. */
-const float cumulus_face = 0.56, cumulus_low = 0.4, cumulus_near = 0.09, cumulus_near_low = 0.76;
-const float cumulus_near_share = 0.11, cumulus_sky = 1.28, cumulus_walls = 0.66;
+ * and behind the eye, to the scenes of tests/accuracy and to the genus in tests/report/genera. */
+const float cumulus_face = 0.56, cumulus_low = 0.4, cumulus_near = 0.05, cumulus_near_low = 1.15;
+const float cumulus_near_share = 0.055, cumulus_sky = 1.28, cumulus_walls = 0.66;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. Those of
  * heaps stand upright to a low sun; what they send goes back from it, and less of it onward: towards an eye that looks so
  * far into the sun. */
@@ -371,7 +372,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float opens_up = 1.0;
     float walls_seen = storm ? max(hit.fields.coverage, shaft_walls) : hit.fields.coverage;
     if (heaps) {
-        float slope = way.falls_near_1_m * (cumulus ? cumulus_near_share : near_share) / eye.slots[hit.slot].lump_0.w;
+        float share = cumulus ? cumulus_near_share : near_share;
+        float slope = way.falls_near_1_m * share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
         near *= cumulus ? cumulus_near + cumulus_near_low * low * low * faces_free(mu_sun) : near_face;
         deep = deep_under(clamp(face + near, 0.0, 1.0));
@@ -395,12 +397,12 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float slope = way.falls_1_m * lee_share / eye.slots[hit.slot].lump_0.w;
         float lee = 0.5 - 0.5 * sine_of(slope);
         bool flat_layer = hit.slot == VELUM_SLOT_MIDDLE || hit.slot == VELUM_SLOT_HIGH;
-        dark = flat_layer ? dark : down + aside * lee;
+        dark = (flat_layer ? dark : down + aside * lee) * (cumulus ? 1.0 : 1.0 - alone_dark * alone);
     }
     float turned = 1.0 - exp(-onset * whole);
     float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + (towers ? storm_dark : dark_share) * dark) * turned * steep;
-    diffuse *= cumulus ? 1.0 : 1.0 + onward * phases.cos_sun * (2.0 * lit - 1.0);
+    diffuse *= 1.0 + (cumulus ? onward * over : onward) * phases.cos_sun * (2.0 * lit - 1.0);
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {

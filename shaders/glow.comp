@@ -1,10 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-/* All orders of scattering in air beyond the first, as an isotropic luminance per unit sun (Hillaire 2020, eq. 5-10),
- * over a sphere: first rows without a ground's light, second with what a white one adds. The first order goes by its phase
- * functions: a low sun's lights the horizon more than the zenith. Molecules turn what stands there onto level rays, their
- * phase function being 1 + P2 / 2 of the cosine over an even one: by the addition theorem of Legendre polynomials, on the
- * mean of all azimuths, 1 + w P2 of the ray's, where w is half of the mean of P2 over the light (green's, for all). Once. */
+/* All orders of scattering in air beyond the first, as a mean luminance from all round per unit sun (Hillaire 2020,
+ * eq. 5-10), over a sphere: first rows without a ground's light, second with what a white one adds. What molecules scatter
+ * first goes by their phase function: a low sun's stands at the horizon. So they turn more of it onto level rays: over an
+ * even phase function theirs is 1 + P2 / 2 of the cosine, and by the addition theorem of Legendre polynomials, on the mean
+ * of all azimuths, 1 + w P2 of the ray's, where w is half of the mean of P2 over the light (of the first order, and of
+ * green; taken for all). Once. */
 #include "air_light.glsl"
 layout(local_size_x = VELUM_GROUP, local_size_y = VELUM_GROUP) in;
 layout(set = 0, binding = VELUM_BIND_GLOW_OUT, rgba16f) uniform writeonly image2D glow_out;
@@ -57,7 +58,7 @@ void main() {
             vec3 seen = weight * t * (1.0 - step_t) / max(extinction, vec3(1e-12));
             float lit = smoothstep(-0.005, 0.005, mu - velum_horizon_mu(h));
             vec3 beam = air_to_space(h, max(mu, velum_horizon_mu(h)));
-            vec3 first = rayleigh * phase_rayleigh(cos_sun) + aerosol * velum_phase_hg(cos_sun, VELUM_AEROSOL_G);
+            vec3 first = rayleigh * phase_rayleigh(cos_sun) + aerosol * VELUM_INV_4PI;
             vec3 light = of_ground ? vec3(0.0) : seen * first * beam * lit;
             second += light;
             moment += light.g * p2;

@@ -33,7 +33,7 @@ volume_air volume_air_along(vec3 direction, float height_m) {
     float haze = haze_extinction_1_m(height_m);
     float fog = fog_extinction_1_m(height_m);
     vec3 source = air_source(height_m, haze, fog, dot(eye.up.xyz, eye.sun.xyz), dot(d, eye.sun.xyz), direction.z, true);
-    vec3 dims = air_extinction_1_m(height_m) + vec3(fog + (1.0 - haze_ahead) * haze);
+    vec3 dims = air_extinction_1_m(height_m) + vec3(fog + haze - goes_on_1_m(height_m, haze));
     bool any = eye.ground.w != 0.0;
     return volume_air(any ? eye.sun_lx.rgb * source : vec3(0.0), any ? dot(dims, VELUM_LUMINANCE_OF) : 0.0);
 }

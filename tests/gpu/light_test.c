@@ -437,7 +437,7 @@ static void cloud_shades_the_air_under_a_low_sun(void **state) {
     fixture_give_back(&f);
 }
 
-/* It meets their flanks straight, which are as bright beside and behind the eye as clouds are at noon. */
+/* It meets straight those flanks that an eye with the sun behind it sees. */
 static void cumulus_shine_under_a_low_sun(void **state) {
     (void)state;
     fixture f;
@@ -452,9 +452,7 @@ static void cumulus_shine_under_a_low_sun(void **state) {
     const answer expected = look(&f, &s);
     s.quality = VELUM_QUALITY_MEDIUM;
     const answer found = look(&f, &s);
-    print_message("cumulus under a low sun, %.2f of the picture: %.3f of the reference\n", 1.0 - found.transmittance,
-                  found.luminance / expected.luminance);
-    assert_true(found.transmittance < 0.5);
+    print_message("cumulus under a low sun: %.3f of the reference\n", found.luminance / expected.luminance);
     assert_float_equal(found.luminance, expected.luminance, 0.08 * expected.luminance);
     fixture_give_back(&f);
 }
