@@ -203,7 +203,7 @@ const float near_face = 0.252, near_share = 0.0357;
  * the brightest of the sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside
  * and behind the eye, to the scenes of tests/accuracy and to the genus in tests/report/genera. */
 const float cumulus_face = 0.56, cumulus_low = 0.4, cumulus_near = 0.05, cumulus_near_low = 1.15;
-const float cumulus_near_share = 0.055, cumulus_sky = 1.28, cumulus_walls = 0.66;
+const float cumulus_near_share = 0.055, cumulus_sky = 1.28, cumulus_walls = 0.74;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. Those of
  * heaps stand upright to a low sun; what they send goes back from it, and less of it onward: towards an eye that looks so
  * far into the sun. */
