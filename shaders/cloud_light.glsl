@@ -177,7 +177,8 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
- * light alike all round it shines alike, but for sky_share (cumulus_sky). Fitted to the reference over the scenes of tests/accuracy. */
+ * light alike all round it shines alike, but for sky_share (cumulus_sky). Fitted to the reference over the scenes of
+ * tests/accuracy. */
 const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.02; /* of the lit face, over that along the sun */
 const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
