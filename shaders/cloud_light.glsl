@@ -177,38 +177,64 @@ velum_slab_light slab_light(cloud_hit hit, velum_slab_span span, float mu_sun) {
 /* What cloud with noise scatters of light that has turned goes by two streams (Shettle & Weinman 1970), from every side
  * at once: of the ways out of a place - up, down, through the nearest flank, to the lit face - each lets as much pass as
  * 1 / (1 + turns depth), and the place shines by the mean of what stands at their ends, weighted (below_share): with
- * light alike all round it shines alike, but for sky_share (cumulus_sky). Fitted to the reference over the scenes of
+ * light alike all round it shines alike, but for sky_share. Fitted to the reference over the scenes of
  * tests/accuracy. */
 const float turns = 0.0504; /* 3/2 (1 - g), and less for uneven cloud, which leaks (Cahalan et al. 1994) */
 const float lit_depth = 1.02; /* of the lit face, over that along the sun */
 const float dark_share = 1.45; /* of the ways out of the dark side for the sun's light: Eddington's is 1 */
 const float deep_share = 0.895;
 const float below_share = 1.29; /* of the base among the ways out */
-/* Clouds of less cover than this stand alone: no light of others comes to their dark sides, and their own leaves by fewer
- * gaps (not of cumulus, which stand upright). */
-const float alone_from = 0.437, alone_lit = 3.53, alone_dark = 0.245;
+/* Clouds of less cover than this stand alone: no light of others comes to their dark sides. */
+const float alone_from = 0.437, alone_lit = 3.53;
 /* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
  * leaves by the flank too; layers higher up lie too flat for that. */
 const float lee_share = 0.143;
 /* Of the light from all round, over that of the half worlds above and below a layer: the air and the cloud at its own
- * heights shine too. An overcast has no gaps for that; of storms and what falls
- * it is not known. */
+ * heights shine too. An overcast has no gaps for that; of storms and what falls it is not known. */
 const float sky_share = 1.11;
-/* Cosine at which the sun meets the faces of a field's lumps on the mean, and less where they stand in each other's
- * shadow; of a deck without gaps. */
-const float lump_face = 0.6, lump_low = 0.484;
-const float deck_face = 0.391, deck_tilt = 0.251;
-/* More where the place's own face is turned to the sun, by the fall of the margin over so much of the lumps' period. */
-const float near_face = 0.252, near_share = 0.0357;
-/* The same of cumulus, whose flanks stand upright: a low sun meets what is turned to it straight, and they see the horizon,
- * the brightest of the sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside
- * and behind the eye, to the scenes of tests/accuracy and to the genus in tests/report/genera. */
-const float cumulus_face = 0.56, cumulus_low = 0.4, cumulus_near = 0.05, cumulus_near_low = 1.15;
-const float cumulus_near_share = 0.055, cumulus_sky = 1.28, cumulus_walls = 0.74;
+/* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
+ * nearer that is. */
+const float limb = 2.53, falls = 1.96;
 /* Of what a lit wall sends to its neighbours by the sun; by the rest of the light walls shine as all else around. Those of
  * heaps stand upright to a low sun; what they send goes back from it, and less of it onward: towards an eye that looks so
  * far into the sun. */
 const float wall_share = 0.85, wall_onward = 0.7;
+/* Views that rise so much see bases, and no flanks. */
+const float base_rise = 0.33;
+/* How heaps are lit. */
+struct heap_light {
+    float face, low;              /* cosine at which the sun meets their faces on the mean; of a low sun so much less */
+    float near, near_low;         /* more where a place's own face is turned to the sun; to a low one as much more */
+    float near_share;             /* ... by the fall of the margin over so much of the lumps' period */
+    float high_up;                /* less from base to top: tops are round and lose light, niches low down get theirs */
+    float falls;                  /* see limb */
+    float sky;                    /* as sky_share */
+    float walls;                  /* as wall_share */
+    float ends;                   /* so much nearer than by `turns` the base must be to hide the flank from a level eye */
+    float onward;                 /* of `onward`, where there are gaps */
+};
+/* Of a deck without gaps the sun meets the faces at other cosines. */
+const float deck_face = 0.391, deck_tilt = 0.251;
+const float lump_face = 0.6;
+const heap_light lumps_light = heap_light(lump_face, 0.484,    /* face, low */
+                                          0.252, 0.0, 0.0357,  /* near, near_low, near_share */
+                                          0.0,                 /* high_up */
+                                          falls,               /* falls */
+                                          sky_share,           /* sky */
+                                          wall_share,          /* walls */
+                                          1.0,                 /* ends */
+                                          1.0);                /* onward */
+/* Cumulus stand upright: a low sun meets what is turned to it straight, and flanks see the horizon, the brightest of the
+ * sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside and behind the eye, to
+ * the scenes of tests/accuracy and to the genus in tests/report/genera. */
+const heap_light cumulus_light = heap_light(0.58, 0.39,        /* face, low */
+                                            0.05, 1.3, 0.055,  /* near, near_low, near_share */
+                                            0.2,               /* high_up */
+                                            1.7,               /* falls */
+                                            1.22,              /* sky */
+                                            0.66,              /* walls */
+                                            3.5,               /* ends */
+                                            0.0);              /* onward */
 const float shaft_walls = 0.6; /* of what flanks see, at least, in rain */
 const float shaft_turns = 0.236, shaft_lit = 0.864; /* as turns and lit_depth, in what falls from storms */
 /* Luminance of what a layer's clouds farther off let through, over that of an even half world of as much flux: it lies on
@@ -234,9 +260,6 @@ const float storm_up_m = 100.0, storm_even = 2.0, storm_within = 0.25;
 const float storm_top = 0.6;
 const float storm_graze = 0.01; /* cosine at which a low sun meets what does not face it, at least */
 const float sky_aside = 0.537;  /* how far aside, m a metre down, what is seen between storms is their walls */
-/* Diffuse light leaves a face steeply rather than along it; beneath, what goes on to the dark side falls, the more the
- * nearer that is. */
-const float limb = 2.53, falls = 1.96;
 /* Behind a lit face light still goes the way of the sun's; deep in, as much comes back. */
 const float onward = 0.104;
 /* How far the sun meets lumps on a closed sheet's top, on the mean, and not a plane: a low one straighter, a high one less
@@ -342,6 +365,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     bool heaps = !storm && !is_fringe(hit);
     bool cumulus = hit.slot == VELUM_SLOT_CUMULUS && heaps;
     bool towers = storm && !is_fringe(hit);
+    heap_light heap = lumps_light;
+    if (cumulus) {
+        heap = cumulus_light;
+    }
     float slows = towers ? storm_turns : storm ? shaft_turns : turns;
     float up = 1.0 / (1.0 + slows * ways.up);
     float down = 1.0 / (1.0 + slows * ways.down);
@@ -352,7 +379,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float over = velum_overcast(hit.fields.coverage);
     float aside = flank * (1.0 - over);
-    flank = max(flank - max(up, down), 0.0) * (storm ? 1.0 : 1.0 - over);
+    float base_near = mix(down, 1.0 / (1.0 + heap.ends * slows * ways.down), 1.0 - clamp(hit.rise / base_rise, 0.0, 1.0));
+    flank = max(flank - max(up, base_near), 0.0) * (storm ? 1.0 : 1.0 - over);
 
     bool ice = hit.slot == VELUM_SLOT_HIGH;
     float first = (ice ? phases.ice : phases.water) * exp(-depth);
@@ -366,18 +394,17 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float wall = storm ? min(storm_walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 1.0) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
     float low4 = low * low * low * low;
-    float lumps = cumulus ? cumulus_face - cumulus_low * low4 : lump_face - lump_low * low4;
-    float face = max(mix(lumps, deck_faces(mu_sun), over * over), wall);
+    float face = max(mix(heap.face - heap.low * low4, deck_faces(mu_sun), over * over), wall);
     float even = deep_under(face);
     float deep = even;
     float opens_up = 1.0;
     float walls_seen = storm ? max(hit.fields.coverage, shaft_walls) : hit.fields.coverage;
     if (heaps) {
-        float share = cumulus ? cumulus_near_share : near_share;
-        float slope = way.falls_near_1_m * share / eye.slots[hit.slot].lump_0.w;
+        float slope = way.falls_near_1_m * heap.near_share / eye.slots[hit.slot].lump_0.w;
         float near = sine_of(slope) * lit * (1.0 - over);
-        near *= cumulus ? cumulus_near + cumulus_near_low * low * low * faces_free(mu_sun) : near_face;
+        near *= heap.near + heap.near_low * low * low * faces_free(mu_sun);
         deep = deep_under(clamp(face + near, 0.0, 1.0));
+        deep *= 1.0 + heap.high_up * (0.5 - hit.height_fraction) * (1.0 - over);
     } else if (towers) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
@@ -398,12 +425,13 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float slope = way.falls_1_m * lee_share / eye.slots[hit.slot].lump_0.w;
         float lee = 0.5 - 0.5 * sine_of(slope);
         bool flat_layer = hit.slot == VELUM_SLOT_MIDDLE || hit.slot == VELUM_SLOT_HIGH;
-        dark = (flat_layer ? dark : down + aside * lee) * (cumulus ? 1.0 : 1.0 - alone_dark * alone);
+        dark = flat_layer ? dark : down + aside * lee;
     }
     float turned = 1.0 - exp(-onset * whole);
-    float steep = max(1.0 + turned * hit.rise * (falls * sqrt(down) - limb * up), 0.0);
+    float falling = mix(heap.falls, falls, over);
+    float steep = max(1.0 + turned * hit.rise * (falling * sqrt(down) - limb * up), 0.0);
     float diffuse = lit / (lit + (towers ? storm_dark : dark_share) * dark) * turned * steep;
-    diffuse *= 1.0 + (cumulus ? onward * over : onward) * phases.cos_sun * (2.0 * lit - 1.0);
+    diffuse *= 1.0 + onward * mix(heap.onward, 1.0, over) * phases.cos_sun * (2.0 * lit - 1.0);
     vec3 above = ambient_over(hit.fields.top_m, false);
     vec3 below = ambient_under(hit.fields.base_m, false);
     if (storm) {
@@ -416,10 +444,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         float upright = deep_under(mix(lump_face, face, over * over));
         wall_light = mix(upright, even, wall_onward * max(phases.cos_sun, 0.0));
     }
-    vec3 beside = open + walls_seen * (storm ? storm_walls : cumulus ? cumulus_walls : wall_share) * wall_light * sun;
+    vec3 beside = open + walls_seen * (storm ? storm_walls : heap.walls) * wall_light * sun;
     down *= towers ? storm_base : below_share;
     vec3 all_round = (above * up + below * down + beside * flank) / (up + down + flank);
-    float sky = heaps ? mix(cumulus ? cumulus_sky : sky_share, 1.0, over) : opens_up;
+    float sky = heaps ? mix(heap.sky, 1.0, over) : opens_up;
     return sun * (first + widened + deep * diffuse) + sky * all_round;
 }
 

@@ -11,6 +11,7 @@ const scene_row scene_rows[] = {
     {"cumulus_behind_eye", "one cumulus, sun behind the eye", false, false},
     {"cumulus_side", "one cumulus, sun at the right", false, true},
     {"cumulus_behind_cloud", "one cumulus, sun behind the cloud", false, false},
+    {"cumulus_low_sun", "few cumulus, sun 12 deg high behind the eye", false, false},
     {"broken_below", "broken cumulus from below", false, false},
     {"broken_between", "broken cumulus from between", false, true},
     {"broken_above", "broken cumulus from above", false, true},
