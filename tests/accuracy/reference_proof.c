@@ -227,7 +227,7 @@ int main(int argc, char **argv) {
             tests[count++] = (struct CMUnitTest){parts[k].name, parts[k].run, NULL, NULL, &p};
         }
     }
-    int broken = _cmocka_run_group_tests("proof", tests, count, NULL, NULL);
+    int broken = _cmocka_run_group_tests("proof", tests, count, NULL, fixture_shared_finish);
     printf("%u figures broken\n", p.failures);
     return broken || p.failures ? 1 : p.skipped ? 77 : 0;
 }

@@ -88,6 +88,7 @@ void fixture_borrow(fixture *f) {
 
 void fixture_give_back(fixture *f) {
     assert_int_equal(f->engine_api->destroy_eye(f->eye), VELUM_OK);
+    assert_true(fixture_is_bare(f->engine));
     assert_int_equal(shared.validation, 0);
     shared.state = f->state;
 }

@@ -41,6 +41,8 @@ void fixture_finish(fixture *f);
  * messages those of validation layers alone are counted. */
 void fixture_borrow(fixture *f);
 void fixture_give_back(fixture *f);
+/* Whether no eye and no shadow map of it lives: what is given back, or its end would fail. */
+bool fixture_is_bare(velum_engine *engine);
 /* Of what was borrowed, if anything was; a group's teardown. */
 int fixture_shared_finish(void **state);
 

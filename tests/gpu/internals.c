@@ -8,6 +8,12 @@ uint64_t fixture_pages_uploaded(velum_engine *handle) {
     return e->pages.uploaded;
 }
 
+bool fixture_is_bare(velum_engine *handle) {
+    engine *e = handle_get(handle, HANDLE_ENGINE);
+    assert_non_null(e);
+    return e->eye_count == 0 && e->shadow_count == 0;
+}
+
 uint64_t fixture_weather_bytes(velum_engine *handle) {
     engine *e = handle_get(handle, HANDLE_ENGINE);
     assert_non_null(e);

@@ -169,7 +169,7 @@ enum { PLACES = 6 };
 static void no_seam_in_a_uniform_slab(void **state) {
     (void)state;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_layer slab = fixture_slab(1.0f);
     fixture_commit(&f, &slab, 1);
     picture *p = calloc(1, sizeof *p);
@@ -184,14 +184,14 @@ static void no_seam_in_a_uniform_slab(void **state) {
         }
     }
     free(p);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 /* Over noise a line would show as two neighbouring columns or rows that differ more than all others do. */
 static void no_line_in_cloud(void **state) {
     (void)state;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_layer cumulus = fixture_cumulus();
     fixture_commit(&f, &cumulus, 1);
     picture *p = calloc(1, sizeof *p);
@@ -217,7 +217,7 @@ static void no_line_in_cloud(void **state) {
         assert_true(at_seam[1] < 2.5 * across[1]);
     }
     free(p);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 static void wind_builds_no_tiles(void **state) {
@@ -352,5 +352,5 @@ int main(void) {
                                        cmocka_unit_test(wind_builds_no_tiles),
                                        cmocka_unit_test(equal_states_share_pages),
                                        cmocka_unit_test(flight_stays_whole)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

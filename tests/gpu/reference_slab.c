@@ -27,7 +27,7 @@ void slab_rig_init(slab_rig *rig) {
 
 void slab_rig_init_preset(slab_rig *rig, int32_t quality) {
     memset(rig, 0, sizeof *rig);
-    fixture_init(&rig->f, false);
+    fixture_borrow(&rig->f);
     const velum_eye_desc desc = {.struct_size = sizeof desc, .quality = quality};
     assert_int_equal(rig->f.engine_api->create_eye(rig->f.engine, &desc, &rig->eye), VELUM_OK);
     rig->view = fixture_view(&rig->f, rig->eye, SLAB_SIDE, SLAB_SIDE);
@@ -36,7 +36,7 @@ void slab_rig_init_preset(slab_rig *rig, int32_t quality) {
 void slab_rig_finish(slab_rig *rig) {
     assert_int_equal(rig->f.engine_api->destroy_view(rig->view), VELUM_OK);
     assert_int_equal(rig->f.engine_api->destroy_eye(rig->eye), VELUM_OK);
-    fixture_finish(&rig->f);
+    fixture_give_back(&rig->f);
 }
 
 void slab_rig_layer(slab_rig *rig, const slab_case *c, double thickness_m) {

@@ -223,5 +223,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(meets_the_tables), cmocka_unit_test(first_order_is_exact),
                                        cmocka_unit_test(nothing_and_everything), cmocka_unit_test(white_furnace),
                                        cmocka_unit_test(pictures_repeat)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

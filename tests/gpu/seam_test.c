@@ -128,7 +128,7 @@ static figures overlap(int32_t quality, uint32_t frames, const velum_layer *laye
     enum { SHIFT = 107, LIFT = 13 };
     const float pitch = 1.0f / 256.0f;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     fixture_commit(&f, layers, layer_count);
     channel *two = calloc(2, sizeof *two);
     float *values = calloc(PIXELS, sizeof *values);
@@ -157,7 +157,7 @@ static figures overlap(int32_t quality, uint32_t frames, const velum_layer *laye
     figures found = figures_of(what, values, count, sum);
     free(two);
     free(values);
-    fixture_finish(&f);
+    fixture_give_back(&f);
     return found;
 }
 
@@ -168,7 +168,7 @@ static figures turned(int32_t quality, uint32_t frames, const velum_layer *layer
     const double half = tan(20.0 * acos(-1.0) / 180.0);
     const double half_up = half * HEIGHT / WIDTH;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     fixture_commit(&f, layers, layer_count);
     channel *two = calloc(2, sizeof *two);
     float *values = calloc(PIXELS, sizeof *values);
@@ -226,7 +226,7 @@ static figures turned(int32_t quality, uint32_t frames, const velum_layer *layer
     figures found = figures_of(what, values, count, sum);
     free(two);
     free(values);
-    fixture_finish(&f);
+    fixture_give_back(&f);
     return found;
 }
 
@@ -282,5 +282,5 @@ static void turned_cloud(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(same_ray_smooth), cmocka_unit_test(same_ray_cloud),
                                        cmocka_unit_test(turned_smooth), cmocka_unit_test(turned_cloud)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

@@ -66,5 +66,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(low_radiates_as_discrete_ordinates_say),
                                        cmocka_unit_test(medium_radiates_as_discrete_ordinates_say),
                                        cmocka_unit_test(ultra_radiates_as_discrete_ordinates_say)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

@@ -28,7 +28,7 @@ static void transmits_in_views(void **state) {
     (void)state;
     static float rgb[SIDE * SIDE * 3];
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_view *view = fixture_view(&f, f.eye, SIDE, SIDE);
     double east[3], north[3], up[3];
     double below[3];
@@ -64,7 +64,7 @@ static void transmits_in_views(void **state) {
         }
     }
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 static void transmits_in_shadow_maps(void **state) {
@@ -72,7 +72,7 @@ static void transmits_in_shadow_maps(void **state) {
     enum { TEXELS = 64, LEVELS = 2 };
     static float map[LEVELS * TEXELS * TEXELS];
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_shadow *shadow = NULL;
     const velum_shadow_desc desc = {
         .struct_size = sizeof desc, .levels = LEVELS, .texels = TEXELS, .extent_m = 1000.0f};
@@ -99,7 +99,7 @@ static void transmits_in_shadow_maps(void **state) {
         }
     }
     assert_int_equal(f.engine_api->destroy_shadow(shadow), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 static void slab_without_weather_is_clear(void **state) {
@@ -138,7 +138,7 @@ static void depth_ends_the_rays(void **state) {
     const float near_m = 0.5f;
     const float far_m = 50000.0f;
     fixture f;
-    fixture_init(&f, false);
+    fixture_borrow(&f);
     velum_layer slab = fixture_slab(2.0f);
     fixture_commit(&f, &slab, 1);
     velum_view *view = fixture_view(&f, f.eye, SIDE, SIDE);
@@ -183,12 +183,12 @@ static void depth_ends_the_rays(void **state) {
         }
     }
     assert_int_equal(f.engine_api->destroy_view(view), VELUM_OK);
-    fixture_finish(&f);
+    fixture_give_back(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(slab_without_weather_is_clear),
                                        cmocka_unit_test(transmits_in_views), cmocka_unit_test(transmits_in_shadow_maps),
                                        cmocka_unit_test(depth_ends_the_rays)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, fixture_shared_finish);
 }

@@ -39,19 +39,28 @@ static void look_up(rig *r, double elevation_rad, int32_t atmosphere) {
     look(r, 300.0, ahead, 0.6f, 0.6, atmosphere);
 }
 
-static void rig_init(rig *r) {
-    memset(r, 0, sizeof *r);
-    fixture_init(&r->f, false);
+/* On the engine of `f`, which the test has made or borrowed. */
+static void rig_open(rig *r) {
     const velum_eye_desc desc = {.struct_size = sizeof desc, .flags = VELUM_EYE_STUDY};
     assert_int_equal(r->f.engine_api->create_eye(r->f.engine, &desc, &r->eye), VELUM_OK);
     r->view = fixture_view(&r->f, r->eye, W, H);
     fixture_axes(LAT_DEG, LON_DEG, r->east, r->north, r->up);
 }
 
-static void rig_finish(rig *r) {
+static void rig_close(rig *r) {
     assert_int_equal(r->f.engine_api->destroy_view(r->view), VELUM_OK);
     assert_int_equal(r->f.engine_api->destroy_eye(r->eye), VELUM_OK);
-    fixture_finish(&r->f);
+}
+
+static void rig_init(rig *r) {
+    memset(r, 0, sizeof *r);
+    fixture_borrow(&r->f);
+    rig_open(r);
+}
+
+static void rig_finish(rig *r) {
+    rig_close(r);
+    fixture_give_back(&r->f);
 }
 
 static void draw(rig *r, velum_eye *at, velum_view *view, uint32_t frames) {
@@ -134,8 +143,9 @@ static void clouds(rig *r) {
 
 static void needs_an_eye_made_for_it(void **state) {
     (void)state;
-    rig r;
-    rig_init(&r);
+    rig r = {0};
+    fixture_init(&r.f, false);
+    rig_open(&r);
     const velum_plan plans[] = {{.flags = VELUM_PLAN_LIGHT_ALL},
                                 {.integrator = 1},
                                 {.scattering = 1},
@@ -173,7 +183,8 @@ static void needs_an_eye_made_for_it(void **state) {
     const velum_eye_desc desc = {
         .struct_size = sizeof desc, .flags = VELUM_EYE_STUDY, .quality = VELUM_QUALITY_REFERENCE};
     assert_int_equal(r.f.engine_api->create_eye(r.f.engine, &desc, &eye), VELUM_ERROR_FLAGS);
-    rig_finish(&r);
+    rig_close(&r);
+    fixture_finish(&r.f);
 }
 
 /* A plan that asks for nothing gets the ordinary picture. The other pipeline with nothing to do sends the same rays and
@@ -540,5 +551,5 @@ int main(void) {
         cmocka_unit_test(depth_towards_the_sun),
         cmocka_unit_test(rates_share_their_rays),
     };
-    return cmocka_run_group_tests_name("study", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("study", tests, NULL, fixture_shared_finish);
 }
