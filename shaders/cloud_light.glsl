@@ -199,6 +199,8 @@ const float limb = 2.53, falls = 1.96;
  * heaps stand upright to a low sun; what they send goes back from it, and less of it onward: towards an eye that looks so
  * far into the sun. */
 const float wall_share = 0.85, wall_onward = 0.7;
+/* Cosine at which the sun meets the faces of a deck without gaps. */
+const float deck_face = 0.391, deck_tilt = 0.251;
 /* Views that rise so much see bases, and no flanks. */
 const float base_rise = 0.33;
 /* How heaps are lit. */
@@ -213,8 +215,7 @@ struct heap_light {
     float ends;                   /* so much nearer than by `turns` the base must be to hide the flank from a level eye */
     float onward;                 /* of `onward`, where there are gaps */
 };
-/* Of a deck without gaps the sun meets the faces at other cosines. */
-const float deck_face = 0.391, deck_tilt = 0.251;
+/* On the mean; walls of cumulus send on by it, too. */
 const float lump_face = 0.6;
 const heap_light lumps_light = heap_light(lump_face, 0.484,    /* face, low */
                                           0.252, 0.0, 0.0357,  /* near, near_low, near_share */
@@ -363,10 +364,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     whole = FRINGED(hit.across > 0.0 ? hit.across + ways.up * (1.0 - exp(-0.25 * depth)) : whole, whole);
     bool storm = hit.slot == VELUM_SLOT_STORM;
     bool heaps = !storm && !is_fringe(hit);
-    bool cumulus = hit.slot == VELUM_SLOT_CUMULUS && heaps;
     bool towers = storm && !is_fringe(hit);
     heap_light heap = lumps_light;
-    if (cumulus) {
+    if (heaps && hit.slot == VELUM_SLOT_CUMULUS) {
         heap = cumulus_light;
     }
     float slows = towers ? storm_turns : storm ? shaft_turns : turns;
