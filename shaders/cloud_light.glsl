@@ -85,6 +85,10 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
 
 /* Half of what a column's rank changes by over a step of a period, on the mean. */
 const float step_spread = 1.0;
+/* Most of the sun's light has turned before it comes, by ways aside: beyond the first step cloud counts as blurred over so
+ * many metres, and over so much of the way to it. Else one sees each cloud's edge as a line on the bases behind it. Storms,
+ * which are wide, have none of that. */
+const float aside_m = 150.0, aside_share = 0.3;
 
 /* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
 const float face_m = 1000.0;
@@ -120,6 +124,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
     vec2 rate = face_rate(hit.tile, hit.normal, eye.sun.xyz) *
                 (float(VELUM_TILE_TEXELS) / (float(VELUM_TILE_SIDE) * hit.tile.side_m));
     float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
+    float blurs = hit.slot == VELUM_SLOT_STORM ? 0.0 : 1.0;
     sun_way way = sun_way(0.0, f.coverage, 0.0, 0.0);
     float done = 0.0;
     float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
@@ -135,8 +140,9 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
         if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
         }
+        float blurred_m = dt + (i == 0 ? 0.0 : blurs * (aside_m + aside_share * t));
         float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
-                                     STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * dt);
+                                     STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * blurred_m);
         way.depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
         float there = velum_margin(hit.profile, e, z, lump, 0.5);
         float falls_1_m = (here - there) / max(t, 1.0);
@@ -228,7 +234,7 @@ const heap_light lumps_light = heap_light(lump_face, 0.484,    /* face, low */
 /* Cumulus stand upright: a low sun meets what is turned to it straight, and flanks see the horizon, the brightest of the
  * sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside and behind the eye, to
  * the scenes of tests/accuracy and to the genus in tests/report/genera. */
-const heap_light cumulus_light = heap_light(0.58, 0.39,        /* face, low */
+const heap_light cumulus_light = heap_light(0.59, 0.33,        /* face, low */
                                             0.05, 1.3, 0.055,  /* near, near_low, near_share */
                                             0.2,               /* high_up */
                                             1.7,               /* falls */
