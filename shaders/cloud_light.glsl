@@ -85,10 +85,15 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
 
 /* Half of what a column's rank changes by over a step of a period, on the mean. */
 const float step_spread = 1.0;
-/* Most of the sun's light has turned before it comes, by ways aside: beyond the first step cloud counts as blurred over so
- * many metres, and over so much of the way to it. Else one sees each cloud's edge as a line on the bases behind it. Storms,
- * which are wide, have none of that. */
+/* Most of the sun's light has turned before it comes, by ways aside: beyond the first step lumps of water count as blurred
+ * over so many metres, and over so much of the way to them. Else one sees each cloud's edge as a line on the bases behind
+ * it. */
 const float aside_m = 150.0, aside_share = 0.3;
+
+/* Storms are wide; veils are thin. */
+bool is_lumps(int slot) {
+    return slot < VELUM_SLOT_HIGH && slot != VELUM_SLOT_STORM;
+}
 
 /* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
 const float face_m = 1000.0;
@@ -124,7 +129,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
     vec2 rate = face_rate(hit.tile, hit.normal, eye.sun.xyz) *
                 (float(VELUM_TILE_TEXELS) / (float(VELUM_TILE_SIDE) * hit.tile.side_m));
     float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
-    float blurs = hit.slot == VELUM_SLOT_STORM ? 0.0 : 1.0;
+    float blurs = is_lumps(hit.slot) ? 1.0 : 0.0;
     sun_way way = sun_way(0.0, f.coverage, 0.0, 0.0);
     float done = 0.0;
     float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
@@ -207,6 +212,9 @@ const float limb = 2.53, falls = 1.96;
 const float wall_share = 0.85, wall_onward = 0.7;
 /* Cosine at which the sun meets the faces of a deck without gaps. */
 const float deck_face = 0.391, deck_tilt = 0.251;
+/* Lumps of water that have closed to an overcast leak less than broken ones, so `turns` is so much more; of what has turned
+ * they send so much, and the more the higher the sun. */
+const float overcast_turns = 1.5, overcast_deep = 1.12, overcast_tilt = 0.32;
 /* Views that rise so much see bases, and no flanks. */
 const float base_rise = 0.33;
 /* How heaps are lit. */
@@ -234,7 +242,7 @@ const heap_light lumps_light = heap_light(lump_face, 0.484,    /* face, low */
 /* Cumulus stand upright: a low sun meets what is turned to it straight, and flanks see the horizon, the brightest of the
  * sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside and behind the eye, to
  * the scenes of tests/accuracy and to the genus in tests/report/genera. */
-const heap_light cumulus_light = heap_light(0.59, 0.33,        /* face, low */
+const heap_light cumulus_light = heap_light(0.605, 0.32,        /* face, low */
                                             0.05, 1.3, 0.055,  /* near, near_low, near_share */
                                             0.2,               /* high_up */
                                             1.7,               /* falls */
@@ -299,17 +307,43 @@ float depth_below(velum_profile p, float z) {
     return mix(velum_water_below(p, z), towers, p.damp);
 }
 
+/* Height fraction at which a column of such an excess ends. */
+float column_reach(velum_profile p, float excess) {
+    return pow(clamp(excess / max(p.reach, 0.05), 0.0, 1.0), 1.0 / max(p.power, 0.1));
+}
+
+/* Light comes down to a place by columns so far around it as by its own. */
+const float around_m = 120.0;
+const int around_count = 3;
+
+/* Excess of a column with those around it, on the mean. */
+float excess_around(cloud_hit hit) {
+    int count = is_fringe(hit) || !is_lumps(hit.slot) ? 0 : around_count;
+    /* East; the poles are points. */
+    vec3 x = vec3(-hit.normal.y, hit.normal.x, 0.0) / max(length(hit.normal.xy), 1.0e-6);
+    vec3 y = cross(hit.normal, x);
+    float sum = hit.excess;
+    for (int i = 0; i < count; ++i) {
+        float turn = 2.0 * PI * float(i) / float(around_count);
+        vec3 r = hit.r + around_m * (cos(turn) * x + sin(turn) * y);
+        float rank = column_rank(hit.slot, hit.fields, r, hit.normal, hit.height_m);
+        sum += max(velum_excess(hit.profile, hit.fields.coverage, rank), 0.0);
+    }
+    return sum / float(1 + count);
+}
+
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
     /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
-    float reach = pow(clamp(hit.excess / max(hit.profile.reach, 0.05), 0.0, 1.0), 1.0 / max(hit.profile.power, 0.1));
+    float reach = column_reach(hit.profile, hit.excess);
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
     float z = clamp((hit.height_m - f.base_m) / thickness, 0.0, 1.0);
     float below = depth_below(hit.profile, z);
     ways_out ways;
     ways.reach = reach;
-    ways.up = inner * thickness * max(depth_below(hit.profile, max(reach, 0.1)) - below, 0.0);
+    float over = column_reach(hit.profile, excess_around(hit));
+    ways.up = inner * thickness * max(depth_below(hit.profile, max(over, 0.1)) - below, 0.0);
     ways.down = inner * thickness * below;
     float margin = margin_here(hit, flank_lumps * hit.lump);
     ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
@@ -380,10 +414,11 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float down = 1.0 / (1.0 + slows * ways.down);
     float flank = 1.0 / (1.0 + slows * ways.flank);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
-    float slows_lit = slows * (towers ? storm_lit : storm ? shaft_lit : lit_depth);
+    float over = velum_overcast(hit.fields.coverage);
+    float closes = heaps && is_lumps(hit.slot) ? over : 0.0;
+    float slows_lit = slows * (towers ? storm_lit : storm ? shaft_lit : lit_depth * mix(1.0, overcast_turns, closes));
     float lit = 1.0 / (1.0 + slows_lit * depth * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
-    float over = velum_overcast(hit.fields.coverage);
     float aside = flank * (1.0 - over);
     float base_near = mix(down, 1.0 / (1.0 + heap.ends * slows * ways.down), 1.0 - clamp(hit.rise / base_rise, 0.0, 1.0));
     flank = max(flank - max(up, base_near), 0.0) * (storm ? 1.0 : 1.0 - over);
@@ -411,6 +446,7 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
         near *= heap.near + heap.near_low * low * low * faces_free(mu_sun);
         deep = deep_under(clamp(face + near, 0.0, 1.0));
         deep *= 1.0 + heap.high_up * (0.5 - hit.height_fraction) * (1.0 - over);
+        deep *= mix(1.0, overcast_deep + overcast_tilt * max(mu_sun, 0.0), closes);
     } else if (towers) {
         /* Anvils lie flat; towers stand upright where the margin falls towards the sun. */
         float straight = way.falls_1_m * storm_slope / eye.slots[hit.slot].shape_0.w;
