@@ -85,14 +85,14 @@ sun_left sun_left_at(cloud_hit hit, float mu_sun) {
 
 /* Half of what a column's rank changes by over a step of a period, on the mean. */
 const float step_spread = 1.0;
-/* Most of the sun's light has turned before it comes, by ways aside: beyond the first step lumps of water count as blurred
- * over so many metres, and over so much of the way to them. Else one sees each cloud's edge as a line on the bases behind
- * it. */
-const float aside_m = 150.0, aside_share = 0.3;
+/* Most of the sun's light has turned before it comes, by ways aside: for that, lumps of water count as blurred over so many
+ * metres, and over so much of the way to them. Else one sees each cloud's edge as a line on the bases behind it. No wider
+ * than so much of the noise's period, over which ranks are as different as they come. */
+const float aside_m = 150.0, aside_share = 0.3, aside_most = 0.17;
 
-/* Storms are wide; veils are thin. */
-bool is_lumps(int slot) {
-    return slot < VELUM_SLOT_HIGH && slot != VELUM_SLOT_STORM;
+/* Of water, and no storm's. */
+bool is_lumps(cloud_hit hit) {
+    return hit.slot < VELUM_SLOT_HIGH && hit.slot != VELUM_SLOT_STORM && !is_fringe(hit);
 }
 
 /* Over so much of the way to the sun, at most, it is known how straight it meets a face. */
@@ -102,6 +102,7 @@ const float near_m = 40.0;
 
 struct sun_way {
     float depth;    /* optical, of the slot's cloud */
+    float turned;   /* the same as light meets it that has turned: blurred */
     float coverage; /* in the last step */
     /* How the margin falls, in e a metre, whatever the fine detail: as far as face_m, and over the first step, or as far as
      * near_m. */
@@ -129,8 +130,9 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
     vec2 rate = face_rate(hit.tile, hit.normal, eye.sun.xyz) *
                 (float(VELUM_TILE_TEXELS) / (float(VELUM_TILE_SIDE) * hit.tile.side_m));
     float spread_1_m = step_spread * eye.slots[hit.slot].shape_0.w / max(f.coverage, 0.1);
-    float blurs = is_lumps(hit.slot) ? 1.0 : 0.0;
-    sun_way way = sun_way(0.0, f.coverage, 0.0, 0.0);
+    float blurs = is_lumps(hit) ? 1.0 : 0.0;
+    float most_m = aside_most / eye.slots[hit.slot].shape_0.w;
+    sun_way way = sun_way(0.0, 0.0, f.coverage, 0.0, 0.0);
     float done = 0.0;
     float own_lump = STUDIED(study_sun_lumps() ? hit.lump : 0.0, hit.lump);
     float here = margin_here(hit, own_lump);
@@ -145,10 +147,11 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
         if (STUDIED(study_sun_lumps(), true)) {
             lump = lump_noise(hit.slot, f, p);
         }
-        float blurred_m = dt + (i == 0 ? 0.0 : blurs * (aside_m + aside_share * t));
-        float body = velum_body_over(hit.profile, e, z, h - f.base_m, lump,
-                                     STUDIED(study_sun_fine(hit.slot, f, p), 0.5), spread_1_m * blurred_m);
-        way.depth += z > 0.0 && z < 1.0 ? body * dt : 0.0;
+        float fine = STUDIED(study_sun_fine(hit.slot, f, p), 0.5);
+        float aside = max(dt, min(dt + blurs * (aside_m * smoothstep(0.0, first_m, t) + aside_share * t), most_m));
+        float inside_m = z > 0.0 && z < 1.0 ? dt : 0.0;
+        way.depth += inside_m * velum_body_over(hit.profile, e, z, h - f.base_m, lump, fine, spread_1_m * dt);
+        way.turned += inside_m * velum_body_over(hit.profile, e, z, h - f.base_m, lump, fine, spread_1_m * aside);
         float there = velum_margin(hit.profile, e, z, lump, 0.5);
         float falls_1_m = (here - there) / max(t, 1.0);
         /* Lengths of steps go by height alone: one that came or went at once would draw a line at a height. */
@@ -159,6 +162,7 @@ sun_way sun_way_of(cloud_hit hit, float mu_sun, int steps) {
         dt *= ratio;
     }
     way.depth *= f.extinction_1_m;
+    way.turned *= f.extinction_1_m;
     return way;
 }
 
@@ -196,7 +200,7 @@ const float dark_share = 1.45; /* of the ways out of the dark side for the sun's
 const float deep_share = 0.895;
 const float below_share = 1.29; /* of the base among the ways out */
 /* Clouds of less cover than this stand alone: no light of others comes to their dark sides. */
-const float alone_from = 0.437, alone_lit = 3.53;
+const float alone_from = 0.437, alone_lit = 3.4;
 /* On a side that is turned away from the sun, where the margin grows towards it over so much of the lumps' period, light
  * leaves by the flank too; layers higher up lie too flat for that. */
 const float lee_share = 0.143;
@@ -212,9 +216,10 @@ const float limb = 2.53, falls = 1.96;
 const float wall_share = 0.85, wall_onward = 0.7;
 /* Cosine at which the sun meets the faces of a deck without gaps. */
 const float deck_face = 0.391, deck_tilt = 0.251;
-/* Lumps of water that have closed to an overcast leak less than broken ones, so `turns` is so much more; of what has turned
- * they send so much, and the more the higher the sun. */
-const float overcast_turns = 1.5, overcast_deep = 1.12, overcast_tilt = 0.32;
+/* Lumps that have closed to an overcast leak less than broken ones: `lit_depth` is so much more; of what has turned they
+ * send so much, and the more the higher the sun. Fitted to stratocumulus from below, within and above, the sun 12 to 60
+ * degrees high. */
+const float overcast_lit = 1.5, overcast_deep = 1.12, overcast_tilt = 0.32;
 /* Views that rise so much see bases, and no flanks. */
 const float base_rise = 0.33;
 /* How heaps are lit. */
@@ -242,8 +247,8 @@ const heap_light lumps_light = heap_light(lump_face, 0.484,    /* face, low */
 /* Cumulus stand upright: a low sun meets what is turned to it straight, and flanks see the horizon, the brightest of the
  * sky. Fitted to references of 0.1 to 0.45 of cover with the sun 5 to 65 degrees high before, beside and behind the eye, to
  * the scenes of tests/accuracy and to the genus in tests/report/genera. */
-const heap_light cumulus_light = heap_light(0.605, 0.32,        /* face, low */
-                                            0.05, 1.3, 0.055,  /* near, near_low, near_share */
+const heap_light cumulus_light = heap_light(0.605, 0.32,       /* face, low */
+                                            0.05, 1.2, 0.055,  /* near, near_low, near_share */
                                             0.2,               /* high_up */
                                             1.7,               /* falls */
                                             1.22,              /* sky */
@@ -312,20 +317,20 @@ float column_reach(velum_profile p, float excess) {
     return pow(clamp(excess / max(p.reach, 0.05), 0.0, 1.0), 1.0 / max(p.power, 0.1));
 }
 
-/* Light comes down to a place by columns so far around it as by its own. */
+/* Light comes down to a place by columns so far around it as by its own (fitted to cumulus that stand alone). */
 const float around_m = 120.0;
 const int around_count = 3;
+const vec2 around[around_count] = vec2[](vec2(1.0, 0.0), vec2(-0.5, 0.8660254), vec2(-0.5, -0.8660254));
 
-/* Excess of a column with those around it, on the mean. */
+/* Excess of a column of lumps with those around it, on the mean; of others their own. */
 float excess_around(cloud_hit hit) {
-    int count = is_fringe(hit) || !is_lumps(hit.slot) ? 0 : around_count;
-    /* East; the poles are points. */
-    vec3 x = vec3(-hit.normal.y, hit.normal.x, 0.0) / max(length(hit.normal.xy), 1.0e-6);
-    vec3 y = cross(hit.normal, x);
-    float sum = hit.excess;
+    int count = is_lumps(hit) ? around_count : 0;
+    /* At a pole nothing is to the east: there the column counts alone. */
+    vec3 east = vec3(-hit.normal.y, hit.normal.x, 0.0) / max(length(hit.normal.xy), 1.0e-6);
+    vec3 north = cross(hit.normal, east);
+    float sum = max(hit.excess, 0.0);
     for (int i = 0; i < count; ++i) {
-        float turn = 2.0 * PI * float(i) / float(around_count);
-        vec3 r = hit.r + around_m * (cos(turn) * x + sin(turn) * y);
+        vec3 r = hit.r + around_m * (around[i].x * east + around[i].y * north);
         float rank = column_rank(hit.slot, hit.fields, r, hit.normal, hit.height_m);
         sum += max(velum_excess(hit.profile, hit.fields.coverage, rank), 0.0);
     }
@@ -334,7 +339,8 @@ float excess_around(cloud_hit hit) {
 
 ways_out ways_out_of(cloud_hit hit) {
     velum_slot_fields f = hit.fields;
-    /* How high this column's cloud stands, and how much of it lies above and below: as if it stood upright. */
+    /* How high this column's cloud stands, and how much of it, and over it of those around it, lies below and above: as if
+     * they stood upright. */
     float reach = column_reach(hit.profile, hit.excess);
     float thickness = max(f.top_m - f.base_m, 1.0);
     float inner = f.extinction_1_m * hit.profile.density_scale;
@@ -342,8 +348,8 @@ ways_out ways_out_of(cloud_hit hit) {
     float below = depth_below(hit.profile, z);
     ways_out ways;
     ways.reach = reach;
-    float over = column_reach(hit.profile, excess_around(hit));
-    ways.up = inner * thickness * max(depth_below(hit.profile, max(over, 0.1)) - below, 0.0);
+    float reach_around = column_reach(hit.profile, excess_around(hit));
+    ways.up = inner * thickness * max(depth_below(hit.profile, max(reach_around, 0.1)) - below, 0.0);
     ways.down = inner * thickness * below;
     float margin = margin_here(hit, flank_lumps * hit.lump);
     ways.flank = inner * max(margin, 0.0) * flank_share / eye.slots[hit.slot].shape_0.w;
@@ -396,6 +402,11 @@ face_cosines face_of(float falls_sun_1_m, float falls_up_1_m, float mu_sun, floa
     return face_cosines(falls_sun_1_m * steep, falls_up_1_m * steep);
 }
 
+/* How far a kind of cloud closes to a sheet, 0..1. Stratocumulus keeps its lumps. */
+float sheet_share(velum_profile p) {
+    return clamp((p.close - closed_from) / (closed_at - closed_from), 0.0, 1.0);
+}
+
 /* Per unit of scattering. `sun`: the beam; `field`: luminance of the layer's clouds farther off, by the sun. */
 vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, vec3 field, float mu_sun, sun_way way) {
     float depth = way.depth;
@@ -415,9 +426,9 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     float flank = 1.0 / (1.0 + slows * ways.flank);
     float alone = heaps ? max(1.0 - hit.fields.coverage / alone_from, 0.0) : 0.0;
     float over = velum_overcast(hit.fields.coverage);
-    float closes = heaps && is_lumps(hit.slot) ? over : 0.0;
-    float slows_lit = slows * (towers ? storm_lit : storm ? shaft_lit : lit_depth * mix(1.0, overcast_turns, closes));
-    float lit = 1.0 / (1.0 + slows_lit * depth * (1.0 + alone_lit * alone));
+    float closes = is_lumps(hit) ? over * (1.0 - sheet_share(hit.profile)) : 0.0;
+    float slows_lit = slows * (towers ? storm_lit : storm ? shaft_lit : lit_depth * mix(1.0, overcast_lit, closes));
+    float lit = 1.0 / (1.0 + slows_lit * way.turned * (1.0 + alone_lit * alone));
     /* Near a top or a base the flank is no other way; an overcast has none. */
     float aside = flank * (1.0 - over);
     float base_near = mix(down, 1.0 / (1.0 + heap.ends * slows * ways.down), 1.0 - clamp(hit.rise / base_rise, 0.0, 1.0));
@@ -429,8 +440,8 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     if (ice) {
         peak = ice_widened;
     }
-    float peak_phase = velum_phase_hg(phases.cos_sun, peak.g * exp(-peak.fade * depth));
-    float widened = peak.share * exp(-peak.loss * depth) * peak_phase * (1.0 - exp(-0.25 * whole));
+    float peak_phase = velum_phase_hg(phases.cos_sun, peak.g * exp(-peak.fade * way.turned));
+    float widened = peak.share * exp(-peak.loss * way.turned) * peak_phase * (1.0 - exp(-0.25 * whole));
     /* Lumps have faces turned to any sun. */
     float wall = storm ? min(storm_walls * sqrt(max(1.0 - mu_sun * mu_sun, 0.0)), 1.0) : 0.0;
     float low = 1.0 - clamp(mu_sun, 0.0, 1.0);
@@ -493,11 +504,10 @@ vec3 uneven_source(cloud_hit hit, ray_phases phases, ways_out ways, vec3 sun, ve
     return sun * (first + widened + deep * diffuse) + sky * all_round;
 }
 
-/* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. Stratocumulus keeps its
- * lumps. */
+/* How far a place is one of a closed sheet, 0..1: where a kind of cloud that closes covers all. */
 float closed_share(cloud_hit hit) {
     float over = velum_overcast(hit.fields.coverage);
-    return over * over * clamp((hit.profile.close - closed_from) / (closed_at - closed_from), 0.0, 1.0);
+    return over * over * sheet_share(hit.profile);
 }
 
 /* What the softness of a column's top leaves of what stands over a place. */
@@ -592,6 +602,7 @@ vec3 cloud_source(cloud_hit hit, ray_phases phases, int steps, inout float place
     vec3 sun = eye.sun_lx.rgb * sun_through_air(hit.height_m, mu_sun) * left.others;
     vec3 field = sun * (max(mu_sun, 0.0) / PI * field_share * left.turned);
     way.depth = STUDIED(study_sun_depth(hit.r, way.depth), way.depth);
+    way.turned = STUDIED(study_sun_depth(hit.r, way.turned), way.turned);
     ways_out ways = ways_out_of(hit);
     vec3 source = uneven_source(hit, phases, ways, sun * left.open, field, mu_sun, way);
 #ifdef VELUM_STUDY
