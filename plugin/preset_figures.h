@@ -14,7 +14,7 @@ typedef struct preset_figures {
 
 /* Low, medium, high, ultra. */
 static const preset_figures preset_figures_of[PRESETS] = {
-    {0.093f, 2.6f}, {0.093f, 3.4f}, {0.093f, 5.4f}, {0.093f, 6.6f}};
+    {0.092f, 2.6f}, {0.093f, 3.4f}, {0.092f, 5.4f}, {0.093f, 6.6f}};
 
 /* The cheapest whose error is not above this; where there is none, the cheapest of those with the least. */
 static inline uint32_t preset_for_error(float error) {

@@ -222,7 +222,8 @@ enum {
     VELUM_SCATTERING_VOLUME = 2
 };
 
-/* Depth of cloud towards the sun. No effect on uniform layers, whose depth is known. */
+/* Depth of cloud towards the sun; of what lies aside of the way, light that has turned sees some too. No effect on uniform
+ * layers, whose depth is known. */
 enum {
     VELUM_SUN_DEPTH_STEPS = 0,  /* light_steps samples, with lumps, without fine detail */
     VELUM_SUN_DEPTH_COARSE = 1, /* without lumps */
